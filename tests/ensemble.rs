@@ -65,7 +65,7 @@ fn lanes_are_simulations_to_rounding() {
 
 #[test]
 fn what_does_not_go_in_lanes_goes_alone_and_is_a_simulation() {
-    assert_eq!(off(Double, &Taylor::new(8, 0.02), 20), 0.0);
+    assert_eq!(off(Double, &Bdf2::new(0.02), 20), 0.0);
     assert_eq!(off(Double, &Shake::new(0.02), 20), 0.0);
 }
 
@@ -579,7 +579,7 @@ fn a_bill_of_trajectories() {
     let in_lanes = InstructionSet::widest().fuses();
     assert_eq!((bill.bodies, bill.side_by_side), (1, if in_lanes { 64 } else { 1 }));
     // One by one; and no trajectory at all.
-    let alone = scene.ensemble((0..3).map(start), Taylor::new(8, 0.01)).unwrap().bill().unwrap();
+    let alone = scene.ensemble((0..3).map(start), Bdf2::new(0.01)).unwrap().bill().unwrap();
     assert_eq!((alone.bodies, alone.side_by_side), (1, 1));
     let nothing = scene.ensemble([], Rattle::new(0.01)).unwrap().bill().unwrap();
     assert!(nothing.items.is_empty() && nothing.step == 0.0);

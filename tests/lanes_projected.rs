@@ -1,5 +1,5 @@
-//! DOP853 in lanes: as each trajectory alone but for rounding, with fixed steps and with a tolerance; never silently on
-//! another sheet.
+//! DOP853 and Taylor's method in lanes: as each trajectory alone but for rounding, with fixed steps and with a
+//! tolerance; never silently on another sheet.
 
 use crate::common::bits;
 use rattle::ensemble::InstructionSet;
@@ -25,7 +25,7 @@ fn start(speed: f64, i: u32) -> State<3> {
 
 /// The largest difference of places and momenta from simulations by themselves, after a time of a half. Neighbouring
 /// trajectories have parted by less than 30 times then, and rounding takes some 1e-16 in each of up to 50 steps.
-fn off<P: Precision>(precision: P, method: Dop853, steps: u64) -> f64 {
+fn off<P: Precision, M: Method + Copy>(precision: P, method: M, steps: u64) -> f64 {
     let mut ensemble = scene().ensemble_in(precision, (0..20).map(|i| start(1.0, i)), method).unwrap();
     ensemble.run(steps);
     assert_eq!(ensemble.plan().in_lanes, if InstructionSet::widest().fuses() { 20 } else { 0 });
@@ -48,6 +48,11 @@ fn as_alone_but_for_rounding() {
         off(Double, Dop853::adaptive(0.05, 1e-12), 10),
         off(Double, Dop853::adaptive(0.25, 1e-10), 2),
         off(Double, Dop853::adaptive(-0.25, 1e-10), 2),
+        off(Double, Taylor::new(8, 0.01), 50),
+        off(Compensated, Taylor::new(15, 0.02), 25),
+        off(Double, Taylor::adaptive(12, 0.05, 1e-12), 10),
+        off(Double, Taylor::adaptive(20, 0.25, 1e-14), 2),
+        off(Double, Taylor::adaptive(9, -0.25, 1e-10), 2),
     ];
     println!("{found:?}");
     let fused = InstructionSet::widest().fuses();
@@ -55,29 +60,37 @@ fn as_alone_but_for_rounding() {
     assert!(off(Single, Dop853::new(0.02), 25) < 1e-3);
     // In as many inner steps as places have digits for: without end otherwise.
     assert!(off(Single, Dop853::adaptive(0.5, 1e-13), 1) < 1e-3);
+    assert!(off(Single, Taylor::adaptive(9, 0.25, 1e-13), 2) < 1e-3);
 }
 
-/// Halved steps leave 2⁻⁸ of the error; the reference is a simulation with a tolerance.
+/// Halved steps leave 2⁻ⁿ of the error of a method of order n; the reference is a simulation with a tolerance, by the
+/// other method.
 #[test]
-fn of_order_eight() {
-    let mut exact = scene().simulate(start(1.0, 2), Dop853::adaptive(0.1, 1e-15)).unwrap();
-    exact.run(5).unwrap();
-    let [one, two] = [10_u32, 20].map(|steps| {
-        let method = Dop853::new(0.5 / f64::from(steps));
-        let mut ensemble = scene().ensemble([start(1.0, 2)], method).unwrap();
-        ensemble.run(steps.into());
-        (ensemble.state(0).positions().next().unwrap() - exact.position()).norm()
-    });
-    let order = (one / two).log2();
-    println!("{one:e} {two:e} {order}");
-    assert!((order - 8.0).abs() < 1.0, "{order}");
+fn of_their_orders() {
+    fn order<M: Method>(method: impl Fn(f64) -> M, exact: impl Method) -> f64 {
+        let mut exact = scene().simulate(start(1.0, 2), exact).unwrap();
+        exact.run(5).unwrap();
+        let [one, two] = [10_u32, 20].map(|steps| {
+            let mut ensemble = scene().ensemble([start(1.0, 2)], method(0.5 / f64::from(steps))).unwrap();
+            ensemble.run(steps.into());
+            (ensemble.state(0).positions().next().unwrap() - exact.position()).norm()
+        });
+        println!("{one:e} {two:e}");
+        (one / two).log2()
+    }
+    let (dop853, taylor) = (Dop853::adaptive(0.1, 1e-15), Taylor::adaptive(18, 0.1, 1e-15));
+    let orders = [
+        (8.0, order(Dop853::new, taylor)),
+        (4.0, order(|h| Taylor::new(4, h), dop853)),
+        (7.0, order(|h| Taylor::new(7, h), dop853)),
+    ];
+    assert!(orders.iter().all(|(expected, order)| (order - expected).abs() < 1.0), "{orders:?}");
 }
 
 /// Round a great circle three times, in steps so short that their own error is 1e-20: what is off is rounding.
 #[test]
 fn compensated_sums() {
-    fn off<P: Precision>(precision: P) -> f64 {
-        let method = Dop853::new(std::f64::consts::TAU / 300.0);
+    fn off<P: Precision>(precision: P, method: impl Method) -> f64 {
         let scene = Scene::on(Sphere { r: 1.0 });
         let starts = (0..16).map(|i| {
             let (sin, cos) = f64::from(i).sin_cos();
@@ -88,17 +101,19 @@ fn compensated_sums() {
         let off = |state: State<3>| (state.positions().next().unwrap() - Vector3::x()).norm();
         ensemble.states().map(off).fold(0.0, f64::max)
     }
-    let found = [off(Compensated), off(Double)];
-    println!("{found:?}");
-    assert!(found[0] < 0.5 * found[1], "{found:?}");
+    let h = std::f64::consts::TAU / 300.0;
+    let dop853 = [off(Compensated, Dop853::new(h)), off(Double, Dop853::new(h))];
+    let taylor = [off(Compensated, Taylor::new(12, h)), off(Double, Taylor::new(12, h))];
+    println!("{dop853:?} {taylor:?}");
+    assert!([dop853, taylor].iter().all(|[less, more]| *less < 0.5 * more), "{dop853:?} {taylor:?}");
 }
 
 /// Trajectories too fast for their steps end, as they do alone; the others have the bits that they have without them,
 /// in other divisions of the run, by other instructions, and where a checkpoint is gone on from.
 #[test]
 fn who_fails_touches_no_one_else() {
-    let fast = |i: &u32| i.is_multiple_of(3);
-    for method in [Dop853::new(0.02), Dop853::adaptive(0.02, 1e-9)] {
+    fn check<M: Method + Copy>(method: M, some_end: bool) {
+        let fast = |i: &u32| i.is_multiple_of(3);
         let starts = |numbers: &[u32]| {
             numbers.iter().map(|i| start(if fast(i) { 30.0 } else { 1.0 }, *i)).collect::<Vec<_>>()
         };
@@ -125,11 +140,9 @@ fn who_fails_touches_no_one_else() {
             }
         }
         let ended: Vec<usize> = all.failures().map(|(i, _)| i).collect();
-        println!("{}: {ended:?}", rattle::method::Method::name(&method));
+        println!("{}: {ended:?}", method.name());
         assert!(ended.iter().all(|&i| fast(&(i as u32))), "{ended:?}");
-        if method == Dop853::new(0.02) {
-            assert!(!ended.is_empty());
-        }
+        assert!(!some_end || !ended.is_empty());
         for i in ended {
             let mut alone = scene().simulate(start(30.0, i as u32), method).unwrap();
             let error = alone.run(60).unwrap_err();
@@ -137,6 +150,10 @@ fn who_fails_touches_no_one_else() {
             assert_eq!(std::mem::discriminant(all.failure(i).unwrap()), kind, "trajectory {i}: {error}");
         }
     }
+    check(Dop853::new(0.02), true);
+    check(Dop853::adaptive(0.02, 1e-9), false);
+    check(Taylor::new(8, 0.02), true);
+    check(Taylor::adaptive(10, 0.02, 1e-9), false);
 }
 
 /// On shells as close as a step leads astray each motion stays on its own, or ends. Without being looked at, nine of
@@ -154,16 +171,20 @@ fn shells_are_not_changed_in_silence() {
             State::at([1.0, 0.0, 0.0]).moving([0.0, angle.cos(), angle.sin()])
         };
         let scene = Scene::on(Shells { k }).with(Weight { g: 1.0 });
-        for method in [Dop853::new(h), Dop853::adaptive(h, 1e-6)] {
-            let mut ensemble = scene.ensemble((0..20).map(start), method).unwrap();
+        let mut check = |mut ensemble: Ensemble<3>| {
             ensemble.run(4);
             for (i, state) in ensemble.states().enumerate() {
                 let off = (state.positions().next().unwrap().norm() - 1.0).abs();
                 assert!(off < 0.1 / k, "k = {k}, h = {h}, trajectory {i}: {off:e} off");
                 *if ensemble.failure(i).is_some() { &mut refused } else { &mut right } += 1;
             }
-        }
+        };
+        let starts = || (0..20).map(start);
+        check(scene.ensemble(starts(), Dop853::new(h)).unwrap());
+        check(scene.ensemble(starts(), Dop853::adaptive(h, 1e-6)).unwrap());
+        check(scene.ensemble(starts(), Taylor::new(8, h)).unwrap());
+        check(scene.ensemble(starts(), Taylor::adaptive(8, h, 1e-6)).unwrap());
     }
     println!("{right} right, {refused} refused");
-    assert!(right > 80, "{right} right, {refused} refused");
+    assert!(right > 160, "{right} right, {refused} refused");
 }

@@ -61,6 +61,8 @@ fn a_sweep_is_its_scenes() {
     failures += check_sweep(Compensated, &lemniscates, &rattle, 200);
     failures += check_sweep(Single, &lemniscates, &rattle, 200);
     failures += check_sweep(Double, &lemniscates, &Composition::new(SUZUKI_1990_ORDER_4, 0.02), 50);
+    failures += check_sweep(Double, &lemniscates, &Dop853::adaptive(0.05, 1e-9), 20);
+    failures += check_sweep(Compensated, &lemniscates, &Taylor::new(7, 0.02), 50);
 
     let dent = |t: f64| Dented { axes: [1.0 + t, 1.2 - 0.1 * t, 0.9], depth: 0.1 + 0.1 * t, width: 0.3 };
     let start = |t: f64| {
@@ -71,6 +73,7 @@ fn a_sweep_is_its_scenes() {
     let two = swept(|t| Scene::on(dent(t)).with(trap(t)).with(Gravity { g: t }), start);
     failures += check_sweep(Double, &two, &rattle, 200);
     failures += check_sweep(Single, &two, &rattle, 200);
+    failures += check_sweep(Double, &two, &Taylor::adaptive(12, 0.05, 1e-11), 20);
     failures += check_sweep(Double, &swept(|t| Scene::on(dent(t)), start), &rattle, 200);
     assert_eq!(failures, 0);
 }
@@ -100,6 +103,7 @@ fn who_fails_in_a_sweep_rests_and_the_others_go_on() {
     let method = Rattle::new(0.1);
     let potentials = swept(|t| ball(t).with(weight(t)).with(Gravity { g: t }), start);
     assert_eq!(check_sweep(Double, &potentials, &method, 300), 24);
+    assert_eq!(check_sweep(Double, &potentials, &Taylor::new(6, 0.1), 300), 24);
     let members = swept(|t| ball(t).with(Gravity { g: t }).with(weight(t).over([[0]])), start);
     assert_eq!(check_sweep(Double, &members, &method, 300), 24);
     // Too fast for a small sphere, not for a large one.

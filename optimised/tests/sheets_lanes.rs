@@ -67,6 +67,13 @@ fn dop853_in_lanes_stays_on_its_sheet() {
     ensembles(11, 10, |h| Dop853::adaptive(4.0 * h, 1e-8)).check(340);
 }
 
+#[test]
+#[cfg(long)]
+fn taylor_in_lanes_stays_on_its_sheet() {
+    ensembles(12, 10, |h| Taylor::new(8, h)).check(300);
+    ensembles(13, 10, |h| Taylor::adaptive(12, 4.0 * h, 1e-8)).check(340);
+}
+
 constraint! {
     /// |q| = 1, and below a height many more spheres: |∇g| changes by any factor in a step or two.
     #[derive(Clone, Copy)]
@@ -133,6 +140,8 @@ fn lanes_go_in_among_spheres_and_out_again() {
         let [astray, refused] = going_in_and_out(22, 30, every, suzuki);
         assert!(astray == 0 && refused < 20, "{astray} astray, {refused} refused, each {every}");
         let [astray, refused] = going_in_and_out(23, 30, every, |h| Dop853::adaptive(2.0 * h, 1e-9));
+        assert!(astray == 0 && refused < 20, "{astray} astray, {refused} refused, each {every}");
+        let [astray, refused] = going_in_and_out(24, 30, every, |h| Taylor::adaptive(10, 2.0 * h, 1e-9));
         assert!(astray == 0 && refused < 20, "{astray} astray, {refused} refused, each {every}");
     }
 }

@@ -11,7 +11,7 @@ use crate::effect::swept::Swept;
 use crate::error::{EffectMistake, Error};
 use crate::kernel::over::short_name;
 use crate::kernel::series::Order;
-use crate::number::lanes::Lane;
+use crate::number::lanes::{Lane, Lanes};
 use crate::number::real::Real;
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -24,7 +24,7 @@ pub trait Effects<const D: usize> {
     fn forces<T: Real>(&self) -> Self::Forces<T>;
 
     /// The list in L SIMD lanes, each with parameters of its own.
-    type Swept<S: Lane, const L: usize>: Swept<S, D, Lane = Self::Forces<S>>;
+    type Swept<S: Lane, const L: usize>: Swept<S, L, D, Lane = Self::Forces<S>>;
     /// The list in lanes, lane i with the parameters of `lane(i)`.
     fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
     where
@@ -400,7 +400,7 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     }
 }
 
-impl<S: Lane, const D: usize> Swept<S, D> for () {
+impl<S: Lane, const L: usize, const D: usize> Swept<S, L, D> for () {
     type Lane = ();
 
     #[inline(always)]
@@ -410,9 +410,16 @@ impl<S: Lane, const D: usize> Swept<S, D> for () {
         p
     }
     fn copy(&mut self, _: usize, _: usize) {}
+    fn series_blocks(&self) -> Option<usize> {
+        Some(0)
+    }
 }
 
-impl<S: Lane, A: Swept<S, D>, F: Swept<S, D>, const D: usize> Swept<S, D> for Superposed<A, F> {
+impl<S: Lane, A, F, const L: usize, const D: usize> Swept<S, L, D> for Superposed<A, F>
+where
+    A: Swept<S, L, D>,
+    F: Swept<S, L, D>,
+{
     type Lane = Superposed<A::Lane, F::Lane>;
     const FLOWS: usize = F::FLOWS + A::FLOWS;
 
@@ -435,5 +442,18 @@ impl<S: Lane, A: Swept<S, D>, F: Swept<S, D>, const D: usize> Swept<S, D> for Su
     fn copy(&mut self, from: usize, to: usize) {
         self.effect.copy(from, to);
         self.others.copy(from, to);
+    }
+    fn series_blocks(&self) -> Option<usize> {
+        Some(self.others.series_blocks()? + self.effect.series_blocks()?)
+    }
+    #[inline(always)]
+    fn add_series<const FIRST: bool>(
+        &self,
+        q: &[Lanes<S, L>; D],
+        force: &mut [Lanes<S, L>; D],
+        order: &mut Order<'_, Lanes<S, L>, FIRST>,
+    ) {
+        self.others.add_series(q, force, order);
+        self.effect.add_series(q, force, order);
     }
 }

@@ -93,7 +93,7 @@ impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> Clone for SweptOn
     }
 }
 
-impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> Swept<S, D> for SweptOnEach<P, S, L, D> {
+impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> Swept<S, L, D> for SweptOnEach<P, S, L, D> {
     type Lane = ActsOnEach<P::Kernel<S>>;
 
     #[inline(always)]
@@ -106,5 +106,17 @@ impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> Swept<S, D> for S
     }
     fn copy(&mut self, from: usize, to: usize) {
         self.0 = P::map_kernel(&self.0, |number| number.copied(from, to));
+    }
+    fn series_blocks(&self) -> Option<usize> {
+        self.0.series()
+    }
+    #[inline(always)]
+    fn add_series<const FIRST: bool>(
+        &self,
+        q: &[Lanes<S, L>; D],
+        force: &mut [Lanes<S, L>; D],
+        order: &mut Order<'_, Lanes<S, L>, FIRST>,
+    ) {
+        *force = add_scaled(force, Lanes::from_f64(-1.0), &self.0.gradient_series(q, order));
     }
 }

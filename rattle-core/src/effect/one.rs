@@ -34,7 +34,7 @@ pub trait Effect<const D: usize, Kind> {
     fn acting<T: Real>(&self) -> Self::Acting<T>;
 
     /// The effect in L SIMD lanes, each with parameters of its own.
-    type Swept<S: Lane, const L: usize>: Swept<S, D, Lane = Self::Acting<S>>;
+    type Swept<S: Lane, const L: usize>: Swept<S, L, D, Lane = Self::Acting<S>>;
     /// The effect in lanes, lane i with the parameters of `lane(i)`.
     fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
     where
@@ -160,7 +160,7 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 }
 
 /// One after the other: effects that hold more than numbers.
-impl<S: Lane, A: Acting<S, D>, const L: usize, const D: usize> Swept<S, D> for [A; L] {
+impl<S: Lane, A: Acting<S, D>, const L: usize, const D: usize> Swept<S, L, D> for [A; L] {
     type Lane = A;
     const FLOWS: usize = A::FLOWS as usize;
 

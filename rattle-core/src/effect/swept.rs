@@ -1,11 +1,12 @@
 //! Effects in the lanes of a sweep, each lane with parameters of its own.
 
 use crate::effect::interval::Interval;
-use crate::number::lanes::Lane;
+use crate::kernel::series::Order;
+use crate::number::lanes::{Lane, Lanes};
 
 /// Effects on L lanes of one body each, every lane with parameters of its own; stored so that a loop over lanes reads
 /// numbers in the order of memory.
-pub trait Swept<S: Lane, const D: usize>: Clone + Send + Sync {
+pub trait Swept<S: Lane, const L: usize, const D: usize>: Clone + Send + Sync {
     /// The effects of one lane.
     type Lane;
     /// The number of effects that are [flows](crate::effect::Flow) of momenta.
@@ -21,4 +22,19 @@ pub trait Swept<S: Lane, const D: usize>: Clone + Send + Sync {
     }
     /// Copies the parameters of lane `from` to lane `to`.
     fn copy(&mut self, from: usize, to: usize);
+
+    /// The number of blocks of [products](crate::kernel::series) for a coefficient of the forces; `None` without a
+    /// power series in lanes.
+    fn series_blocks(&self) -> Option<usize> {
+        None
+    }
+    /// Adds the next coefficient of the power series of the forces in time, from that of the positions. Not called
+    /// without a power series.
+    fn add_series<const FIRST: bool>(
+        &self,
+        _q: &[Lanes<S, L>; D],
+        _force: &mut [Lanes<S, L>; D],
+        _order: &mut Order<'_, Lanes<S, L>, FIRST>,
+    ) {
+    }
 }

@@ -71,9 +71,26 @@ impl<T: Real> Products<T> {
     /// Continues with the coefficients k ≥ 1; lower ones are known.
     #[inline(always)]
     pub fn next(&mut self, k: usize) -> Order<'_, T, false> {
+        InstructionSet::Avx2.run(self.sums_of(k));
+        self.order(k)
+    }
+
+    /// The same within [work](Work): with the instructions that it is compiled for.
+    #[inline(always)]
+    pub(crate) fn next_within(&mut self, k: usize) -> Order<'_, T, false> {
+        self.sums_of(k).run();
+        self.order(k)
+    }
+
+    #[inline(always)]
+    fn sums_of(&mut self, k: usize) -> Sums<'_, T> {
+        let known = ..k * self.blocks;
+        Sums { left: &self.left[known], right: &self.right[known], sums: &mut self.sums }
+    }
+
+    #[inline(always)]
+    fn order(&mut self, k: usize) -> Order<'_, T, false> {
         let n = self.blocks;
-        let (left, right) = (&self.left[..k * n], &self.right[..k * n]);
-        InstructionSet::Avx2.run(Sums { left, right, sums: &mut self.sums });
         let (known_left, left) = self.left.split_at_mut(k * n);
         let (known_right, right) = self.right.split_at_mut(k * n);
         let first = [&known_left[..n], &known_right[..n]];
@@ -81,7 +98,7 @@ impl<T: Real> Products<T> {
     }
 }
 
-/// Forms the sums of a new order, the same bits with any instructions: products and sums are rounded one by one.
+/// Forms the sums of a new order, the same bits with any instructions.
 struct Sums<'a, T> {
     left: &'a [Block<T>],
     right: &'a [Block<T>],
@@ -100,7 +117,7 @@ impl<T: Real> Work for Sums<'_, T> {
             while i < self.left.len() {
                 let (a, b) = (&self.left[i].0, &self.right[j].0);
                 for lane in 0..WIDTH {
-                    total[lane] = total[lane] + a[lane] * b[lane];
+                    total[lane] = a[lane].multiply_add(b[lane], total[lane]);
                 }
                 (i, j) = (i + n, j - n);
             }

@@ -22,7 +22,7 @@ use crate::motion::bodies::{Bodies, Count, Saved};
 use crate::motion::capability::{Rates, Series};
 use crate::motion::course::look_inside;
 use crate::motion::failure::Failure;
-use crate::motion::method::{Method, View, check_step_size, check_tolerance};
+use crate::motion::method::{Method, Projecting, View, check_step_size, check_tolerance};
 use crate::motion::need::{Kicks, WithRates, WithSeries};
 use crate::motion::parts::BodiesOf;
 use crate::motion::system::System;
@@ -31,7 +31,7 @@ use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 
 /// The smallest part of a step that is tried.
-const SMALLEST_PART: f64 = 1e-6;
+pub(crate) const SMALLEST_PART: f64 = 1e-6;
 
 /// Taylor's method, with fixed steps or with a tolerance.
 ///
@@ -72,6 +72,7 @@ impl Method for Taylor {
     type Need = (Kicks, WithRates, WithSeries);
     const HAS_STRUCTURE: bool = false;
     const CHECKS: bool = true;
+    const PROJECTS: Projecting = Projecting::Taylor;
 
     fn step_size(&self) -> f64 {
         self.h
@@ -84,6 +85,9 @@ impl Method for Taylor {
     }
     fn with_step(&self, h: f64) -> Self {
         Self { h, ..*self }
+    }
+    fn tolerance(&self) -> Option<f64> {
+        self.tolerance
     }
     fn with_tolerance_times(&self, factor: f64) -> Option<Self> {
         self.tolerance.map(|tolerance| Self { tolerance: Some(tolerance * factor), ..*self })
@@ -129,7 +133,7 @@ impl Method for Taylor {
 
 impl Taylor {
     /// q₀ to the one that the last of v is made from.
-    fn coefficients(&self) -> usize {
+    pub(crate) fn coefficients(&self) -> usize {
         self.order as usize + 2
     }
 

@@ -216,6 +216,9 @@ pub enum Projecting {
     Not,
     /// By the stages of [`Dop853`](crate::methods::dop853::Dop853), with its [tolerance](Method::tolerance).
     Dop853,
+    /// By the power series of [`Taylor`](crate::methods::taylor::Taylor), of its [order](Method::order) and with its
+    /// [tolerance](Method::tolerance).
+    Taylor,
 }
 
 /// A stage of a splitting: a drift along the constraints, with a kick before and after it. After each kick momenta are

@@ -99,7 +99,7 @@ pub(super) fn of_each<'a, E: Effects<D> + 'static, R: Pulled<D, W>, const D: usi
 #[derive(Clone)]
 struct OnEach<G, const D: usize>(G);
 
-impl<G: Swept<Number, D> + 'static, R: Pulled<D, W>, const D: usize, const W: usize> Pulls<R, W>
+impl<G: Swept<Number, W, D> + 'static, R: Pulled<D, W>, const D: usize, const W: usize> Pulls<R, W>
     for OnEach<G, D>
 {
     fn boxed(&self) -> Box<dyn Pulls<R, W>> {
@@ -113,7 +113,9 @@ impl<G: Swept<Number, D> + 'static, R: Pulled<D, W>, const D: usize, const W: us
     }
 }
 
-impl<G: Swept<Number, D>, R: Pulled<D, W>, const D: usize, const W: usize> Pulling<R, W> for &OnEach<G, D> {
+impl<G: Swept<Number, W, D>, R: Pulled<D, W>, const D: usize, const W: usize> Pulling<R, W>
+    for &OnEach<G, D>
+{
     fn pull(&mut self, set: Fusing, times: f64, bodies: R::Bodies<'_>) {
         set.run(PullEach::<_, R, D, W> { effects: &self.0, times, bodies });
     }
@@ -125,7 +127,7 @@ struct PullEach<'a, 'b, G, R: Rows<W>, const D: usize, const W: usize> {
     bodies: R::Bodies<'b>,
 }
 
-impl<G: Swept<Number, D>, R: Pulled<D, W>, const D: usize, const W: usize> Work
+impl<G: Swept<Number, W, D>, R: Pulled<D, W>, const D: usize, const W: usize> Work
     for PullEach<'_, '_, G, R, D, W>
 {
     type Done = ();
@@ -144,7 +146,7 @@ impl<G: Swept<Number, D>, R: Pulled<D, W>, const D: usize, const W: usize> Work
 
 /// One body. Arguments of a function are known not to overlap, so that the loop becomes one over vectors.
 #[inline(always)]
-fn pull_one<G: Swept<Number, D>, R: Pulled<D, W>, const D: usize, const W: usize>(
+fn pull_one<G: Swept<Number, W, D>, R: Pulled<D, W>, const D: usize, const W: usize>(
     effects: &G,
     times: R::Times,
     q: &[Numbers<W>; D],

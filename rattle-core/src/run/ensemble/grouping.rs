@@ -4,6 +4,7 @@
 use crate::effect::list::{Effects, Forces};
 use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint, PhaseConstraintKernel};
 use crate::methods::dop853::Dop853;
+use crate::methods::taylor::Taylor;
 use crate::motion::bodies::Count;
 use crate::motion::hold::{PhaseSpaces, Surfaces};
 use crate::motion::method::{Method, Projecting, Splitting, Stage};
@@ -11,7 +12,7 @@ use crate::motion::state::State;
 use crate::motion::system::System;
 use crate::motion::table::{Table, Tabulated};
 use crate::number::instructions::{Fusing, InstructionSet};
-use crate::number::lanes::Lane;
+use crate::number::lanes::{Lane, Lanes};
 use crate::number::vectors::{LANES, MOST_COORDINATES};
 use crate::run::ensemble::apart::NotInLanes;
 use crate::run::ensemble::block::SHORT;
@@ -29,6 +30,7 @@ use crate::run::ensemble::rigid_lanes::RigidLanes;
 use crate::run::ensemble::rigid_row::{RigidRow, Turns};
 use crate::run::ensemble::side_by_side::side_by_side;
 use crate::run::ensemble::splitting_lanes::{Splits, SplittingLanes};
+use crate::run::ensemble::taylor_lanes::{InSeries, TaylorInLanes};
 use crate::systems::network::Network;
 use crate::systems::network::in_lanes::{FEW, ROW};
 use crate::systems::rigid::Rigid;
@@ -51,7 +53,8 @@ pub(super) struct HowInLanes {
     pub(super) set: Fusing,
     /// The number of the first trajectory.
     pub(super) first: usize,
-    /// The tolerance of inner steps.
+    /// The order of the method, and the tolerance of inner steps.
+    pub(super) order: u32,
     pub(super) tolerance: Option<f64>,
 }
 
@@ -75,8 +78,8 @@ impl HowInLanes {
         if !is_long(h, &stages) {
             return Err(NotInLanes::ShortSteps(h));
         }
-        let tolerance = method.tolerance();
-        Ok(Self { stages, h, stirs_after: method.stirs_after(), set, first: 0, tolerance })
+        let (order, tolerance, stirs_after) = (method.order(), method.tolerance(), method.stirs_after());
+        Ok(Self { stages, h, stirs_after, set, first: 0, order, tolerance })
     }
 
     /// The method that these are, a splitting, as it moves rows, where flows act or do not.
@@ -140,6 +143,11 @@ trait Obeyed<const D: usize> {
 
     /// Those of the trajectories from this one on.
     fn laws<S: Lane, const L: usize>(&self, from: usize) -> Self::Laws<S, L>;
+
+    /// The same as functions of L numbers at once.
+    type Series<S: Lane, const L: usize>: InSeries<S, L, D>;
+    /// Those of the trajectories from this one on.
+    fn series<S: Lane, const L: usize>(&self, from: usize) -> Self::Series<S, L>;
 }
 
 /// One scene.
@@ -151,6 +159,12 @@ impl<C: Constraint<D, 1>, E: Effects<D>, const D: usize> Obeyed<D> for OneScene<
     type Laws<S: Lane, const L: usize> = Same<C::Kernel<S>, E::Forces<S>>;
 
     fn laws<S: Lane, const L: usize>(&self, _: usize) -> Self::Laws<S, L> {
+        Same(self.0.kernel(), self.1.forces())
+    }
+
+    type Series<S: Lane, const L: usize> = Same<C::Kernel<Lanes<S, L>>, E::Forces<Lanes<S, L>>>;
+
+    fn series<S: Lane, const L: usize>(&self, _: usize) -> Self::Series<S, L> {
         Same(self.0.kernel(), self.1.forces())
     }
 }
@@ -168,6 +182,12 @@ impl<C: Constraint<D, 1> + 'static, E: Effects<D> + 'static, const D: usize> Obe
     fn laws<S: Lane, const L: usize>(&self, from: usize) -> Self::Laws<S, L> {
         let number = |lane: usize| if from + lane < self.0.len() { from + lane } else { from }; // the rest copies the first
         Each::new(|lane| (self.0[number(lane)], self.1[number(lane)]))
+    }
+
+    type Series<S: Lane, const L: usize> = Each<C, E, S, L, D>;
+
+    fn series<S: Lane, const L: usize>(&self, from: usize) -> Self::Series<S, L> {
+        Obeyed::<D>::laws::<S, L>(self, from)
     }
 }
 
@@ -194,6 +214,9 @@ fn grouped<P: Precision, S: Method, O: Obeyed<D>, const D: usize>(
     by_stages!(2 3 4 5 6 7 8 9);
     if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 && D <= MOST_COORDINATES && !O::FLOWS } {
         return P::compute(Projections::<O, D>(obeyed, starts, lanes));
+    }
+    if const { S::PROJECTS as u8 == Projecting::Taylor as u8 && D <= MOST_COORDINATES && !O::FLOWS } {
+        return P::compute(Expansions::<O, D>(obeyed, starts, lanes));
     }
     None
 }
@@ -424,6 +447,28 @@ impl<O: Obeyed<D>, const D: usize> InNumbers for Projections<'_, O, D> {
         in_rows(OF_STAGES, starts, &|from, starts| {
             let laws = obeyed.laws::<S, OF_STAGES>(from);
             let engine = ProjectedLanes::<S, _, OF_STAGES, D, SUMS, _>::new(laws, method, *set);
+            Some(side_by_side(Box::new(engine), first + from, starts))
+        })
+    }
+}
+
+/// Trajectories in a row of those that are moved by power series: as many as the widest registers hold.
+const OF_SERIES: usize = 8;
+
+/// Trajectories by power series, whose sums are projected onto the constraint.
+struct Expansions<'a, O, const D: usize>(&'a O, &'a [State<D>], &'a HowInLanes);
+
+impl<O: Obeyed<D>, const D: usize> InNumbers for Expansions<'_, O, D> {
+    type Done = Groups<D>;
+
+    fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
+        let Self(obeyed, starts, HowInLanes { h, set, first, order, tolerance, .. }) = self;
+        let method =
+            tolerance.map_or(Taylor::new(*order, *h), |tolerance| Taylor::adaptive(*order, *h, tolerance));
+        in_rows(OF_SERIES, starts, &|from, starts| {
+            let laws = obeyed.laws::<S, OF_SERIES>(from);
+            let method = TaylorInLanes::new(method, obeyed.series::<S, OF_SERIES>(from))?;
+            let engine = ProjectedLanes::<S, _, OF_SERIES, D, SUMS, _>::new(laws, method, *set);
             Some(side_by_side(Box::new(engine), first + from, starts))
         })
     }

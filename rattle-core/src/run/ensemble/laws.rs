@@ -64,8 +64,8 @@ impl<S: Lane, K: ConstraintKernel<S, D, 1>, F: Forces<S, D>, const D: usize> Law
 
 /// Each lane its own, as structures of arrays: kernels whose numbers are lanes.
 pub(crate) struct Each<C: Constraint<D, 1>, E: Effects<D>, S: Lane, const L: usize, const D: usize> {
-    constraint: C::Kernel<Lanes<S, L>>,
-    effects: E::Swept<S, L>,
+    pub(super) constraint: C::Kernel<Lanes<S, L>>,
+    pub(super) effects: E::Swept<S, L>,
 }
 
 impl<C: Constraint<D, 1>, E: Effects<D>, S: Lane, const L: usize, const D: usize> Each<C, E, S, L, D> {
@@ -125,7 +125,7 @@ impl<C: Constraint<D, 1>, E: Effects<D>, S: Lane, const L: usize, const D: usize
 #[derive(Clone)]
 pub(super) struct Alike<G>(pub(super) G);
 
-impl<S: Lane, G: Forces<S, D>, const D: usize> Swept<S, D> for Alike<G> {
+impl<S: Lane, G: Forces<S, D>, const L: usize, const D: usize> Swept<S, L, D> for Alike<G> {
     type Lane = G;
 
     #[inline(always)]

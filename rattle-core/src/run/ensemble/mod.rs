@@ -15,10 +15,10 @@
 //!
 //! * one body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position Verlet, symplectic
 //!   Euler, Geodesic RATTLE, a composition of one of them, [`Baoab`](crate::methods::baoab::Baoab), a Lobatto
-//!   method, or [`Dop853`](crate::methods::dop853::Dop853); except for the last two also with
-//!   [flows](crate::effect::Flow) of momenta, such as heat, drag and magnetic fields, unless they [feel
-//!   forces](crate::effect::Flow::FEELS_FORCES) or have a memory;
-//! * any number of linked bodies, moved by the same methods except those two, always in double precision; also
+//!   method, [`Dop853`](crate::methods::dop853::Dop853) or [`Taylor`](crate::methods::taylor::Taylor); except for the
+//!   last three also with [flows](crate::effect::Flow) of momenta, such as heat, drag and magnetic fields, unless they
+//!   [feel forces](crate::effect::Flow::FEELS_FORCES) or have a memory;
+//! * any number of linked bodies, moved by the same methods except those three, always in double precision; also
 //!   with flows of momenta, of the same kinds.
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
@@ -34,9 +34,9 @@
 //! **The same numbers everywhere.** A trajectory depends on its start alone. It is the same, bit for bit, whatever the
 //! other trajectories, the number of threads, the division of a run into calls, and the instruction set, if that has
 //! fused multiply-add (see [`InstructionSet::fuses`]). One exception: near other sheets of a surface, where a
-//! long step of `Dop853` looks as if they were near, and where a flow ends a trajectory, some steps are made by the
-//! trajectory alone. Which these are depends on the division into calls, and with it last bits do; where inner steps
-//! follow from a tolerance, digits below that.
+//! long step of `Dop853` or `Taylor` looks as if they were near, and where a flow ends a trajectory, some steps are
+//! made by the trajectory alone. Which these are depends on the division into calls, and with it last bits do; where
+//! inner steps follow from a tolerance, digits below that.
 //!
 //! **Lanes and simulations agree to rounding,** not bit for bit. In lanes the position equation is solved by Newton's
 //! method from multipliers extrapolated from the last steps, whatever [`guess`](crate::methods::rattle::Rattle::guess)
@@ -98,6 +98,7 @@ mod stages;
 mod stirred;
 mod stirring;
 pub mod stream;
+mod taylor_lanes;
 pub mod trajectories;
 mod until;
 mod watching;

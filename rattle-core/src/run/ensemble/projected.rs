@@ -57,6 +57,8 @@ pub(super) trait Projects<S: Lane, const L: usize, const D: usize>:
     fn room(&self) -> Self::Room;
     /// How often an inner step evaluates forces.
     fn evaluations(&self) -> u32;
+    /// Has lane `to` obey what lane `from` does, where the method keeps what lanes obey.
+    fn obey(&mut self, _from: usize, _to: usize) {}
 
     /// Writes what inner steps of all lanes from `now` on change places and momenta by. The lengths that they are to
     /// have are `inner`, or `left` where that is shorter; those that they have are written there, and to `next` those

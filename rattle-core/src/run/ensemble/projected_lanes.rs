@@ -112,11 +112,12 @@ where
 
     fn obey(&mut self, from: usize, to: usize) {
         self.laws.copy(from, to);
+        self.method.obey(from, to);
     }
 
     fn obey_as_in(&mut self, engine: &dyn Engine<D>) {
         if let Some(engine) = (engine as &dyn Any).downcast_ref::<Self>() {
-            self.laws = engine.laws.clone();
+            (self.laws, self.method) = (engine.laws.clone(), engine.method.clone());
         }
     }
 

@@ -10,10 +10,10 @@
 
 use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
-use crate::kernel::series::{Products, blocks};
+use crate::kernel::series::{Order, Products, blocks};
 use crate::motion::bodies::Count;
 use crate::motion::witness::Witness;
-use crate::number::real::Scalar;
+use crate::number::real::{Real, Scalar};
 use crate::number::vector::{dot, scaled, sum};
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::room::SeriesRoom;
@@ -28,9 +28,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     {
         let n = self.count.number();
         let of_forces = self.effects.series_blocks(n).unwrap_or(0);
-        let blocks = n * (self.constraint.series().unwrap_or(0) + blocks(2 * D)) + of_forces;
-        let products = Products::new(blocks, orders);
-        Box::new(SeriesRoom { products, force: vec![[T::from_f64(0.0); D]; n] })
+        Box::new(room(n * self.constraint.series().unwrap_or(0) + of_forces, n, orders))
     }
 
     /// Writes q₀, q₁, … of all bodies in turn, as many as `series` has room for.
@@ -45,58 +43,110 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         F: Forces<T, D>,
         W: Witness<T>,
     {
-        let (n, zero) = (self.count.number(), T::from_f64(0.0));
+        let n = self.count.number();
         if n == 0 {
             return;
         }
         let room = bodies.kept.series.get_or_insert_with(|| self.room_for_series(series.len() / n));
-        let SeriesRoom { products, force } = &mut **room;
-        let (start, v) = (bodies.kept.normal.as_ref(), bodies.p.as_ref());
         series[..n].copy_from_slice(bodies.q.as_ref());
-        series[n..2 * n].copy_from_slice(v);
+        series[n..2 * n].copy_from_slice(bodies.p.as_ref());
+        let normals = bodies.kept.normal.as_ref();
+        let start = |body: usize| (normals[body].gradient, normals[body].inverse_square);
+        let tell = |body, lambda| witness.position_multiplier(body, lambda);
+        let effects = Together(&self.effects);
+        expand::<false, _, _, D>(&self.constraint, &effects, room, n, start, series, tell);
+    }
+}
 
-        let order = &mut products.first();
-        for body in 0..n {
-            let [normal] = self.constraint.jacobian_series(&series[body], order);
-            let mut own = order.take(blocks(2 * D));
-            for i in 0..D {
-                own.note(i, zero, normal[i]);
-                own.note(D + i, normal[i], v[body][i]);
-            }
-        }
-        force.fill([zero; D]);
-        self.effects.contribute_series(&series[..n], force, order);
+/// What adds the next coefficient of the forces on bodies, from that of their positions.
+pub(crate) trait Contributes<T: Real, const D: usize> {
+    fn contribute<const FIRST: bool>(
+        &self,
+        positions: &[[T; D]],
+        forces: &mut [[T; D]],
+        order: &mut Order<'_, T, FIRST>,
+    );
+}
 
-        let last = series.len() / n - 1;
-        for k in 1..last {
-            let order = &mut products.next(k);
-            let number = |x: f64| T::from_f64(x);
-            let (share, next_share) = (number(1.0 / k as f64), number(1.0 / (k * (k + 1)) as f64));
-            for body in 0..n {
-                let [normal] = self.constraint.jacobian_series(&series[k * n + body], order);
-                let mut own = order.take(blocks(2 * D));
-                let pull = sum(&force[body], &from_fn(|i| own.sum(i)));
-                let turn = (1..D).fold(own.sum(D), |turn, i| turn + own.sum(D + i));
-                let first = &start[body].gradient;
-                // All that can be done before nₖ is known.
-                let scale = -(number(k as f64) * start[body].inverse_square);
-                let known = scale * turn - dot(first, &pull) * start[body].inverse_square;
-                let (away, step, pulled) =
-                    (scaled(scale, &v[body]), scaled(next_share, first), scaled(next_share, &pull));
-                let lambda = dot(&normal, &away) + known;
-                series[(k + 1) * n + body] = from_fn(|i| lambda.multiply_add(step[i], pulled[i]));
-                for i in 0..D {
-                    own.note(i, lambda, normal[i]);
-                    own.note(D + i, normal[i], share * lambda.multiply_add(first[i], pull[i]));
-                }
-                if k == 1 {
-                    witness.position_multiplier(body, lambda);
-                }
-            }
-            if k + 1 < last {
-                force.fill([zero; D]);
-                self.effects.contribute_series(&series[k * n..][..n], force, order);
-            }
+/// The effects of a scene.
+pub(crate) struct Together<'a, F>(pub(crate) &'a F);
+
+impl<T: Real, F: Forces<T, D>, const D: usize> Contributes<T, D> for Together<'_, F> {
+    #[inline(always)]
+    fn contribute<const FIRST: bool>(
+        &self,
+        positions: &[[T; D]],
+        forces: &mut [[T; D]],
+        order: &mut Order<'_, T, FIRST>,
+    ) {
+        self.0.contribute_series(positions, forces, order);
+    }
+}
+
+/// Writes q₂, q₃, … of `n` bodies in turn, as many as `series` has room for, from q₀ and q₁; ∇g and 1/|∇g|² of each
+/// body are those of `start`. Tells λ at the start. `WITHIN` where the code that asks is compiled for its instructions
+/// already.
+#[inline(always)]
+pub(crate) fn expand<const WITHIN: bool, T, K, const D: usize>(
+    constraint: &K,
+    effects: &impl Contributes<T, D>,
+    room: &mut SeriesRoom<T, D>,
+    n: usize,
+    start: impl Fn(usize) -> ([T; D], T),
+    series: &mut [[T; D]],
+    mut tell: impl FnMut(usize, T),
+) where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+{
+    let number = |x: f64| T::from_f64(x);
+    let SeriesRoom { products, force } = room;
+    let order = &mut products.first();
+    for body in 0..n {
+        let [normal] = constraint.jacobian_series(&series[body], order);
+        let mut own = order.take(blocks(2 * D));
+        for i in 0..D {
+            own.note(i, number(0.0), normal[i]);
+            own.note(D + i, normal[i], series[n + body][i]);
         }
     }
+    force.fill([number(0.0); D]);
+    effects.contribute(&series[..n], force, order);
+
+    let last = series.len() / n - 1;
+    for k in 1..last {
+        let order = &mut if WITHIN { products.next_within(k) } else { products.next(k) };
+        let (share, next_share) = (number(1.0 / k as f64), number(1.0 / (k * (k + 1)) as f64));
+        for body in 0..n {
+            let [normal] = constraint.jacobian_series(&series[k * n + body], order);
+            let mut own = order.take(blocks(2 * D));
+            let pull = sum(&force[body], &from_fn(|i| own.sum(i)));
+            let turn = (1..D).fold(own.sum(D), |turn, i| turn + own.sum(D + i));
+            let (first, inverse_square) = start(body);
+            // All that can be done before nₖ is known.
+            let scale = -(number(k as f64) * inverse_square);
+            let known = scale * turn - dot(&first, &pull) * inverse_square;
+            let (away, step, pulled) =
+                (scaled(scale, &series[n + body]), scaled(next_share, &first), scaled(next_share, &pull));
+            let lambda = dot(&normal, &away) + known;
+            series[(k + 1) * n + body] = from_fn(|i| lambda.multiply_add(step[i], pulled[i]));
+            for i in 0..D {
+                own.note(i, lambda, normal[i]);
+                own.note(D + i, normal[i], share * lambda.multiply_add(first[i], pull[i]));
+            }
+            if k == 1 {
+                tell(body, lambda);
+            }
+        }
+        if k + 1 < last {
+            force.fill([number(0.0); D]);
+            effects.contribute(&series[k * n..][..n], force, order);
+        }
+    }
+}
+
+/// Room for so many coefficients, with so many blocks of products for functions of `n` bodies.
+pub(crate) fn room<T: Real, const D: usize>(functions: usize, n: usize, orders: usize) -> SeriesRoom<T, D> {
+    let products = Products::new(functions + n * blocks(2 * D), orders);
+    SeriesRoom { products, force: vec![[T::from_f64(0.0); D]; n] }
 }

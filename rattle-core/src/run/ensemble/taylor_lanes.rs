@@ -1,0 +1,230 @@
+//! The power series of [`Taylor`] for trajectories in lanes: each coefficient is an array with a number for each lane.
+
+use crate::effect::list::{Effects, Forces};
+use crate::effect::swept::Swept;
+use crate::kernel::functions::{Constraint, ConstraintKernel};
+use crate::kernel::series::Order;
+use crate::methods::taylor::{SMALLEST_PART, Taylor};
+use crate::motion::bodies::One;
+use crate::motion::failure::Failure;
+use crate::motion::method::Method;
+use crate::number::lanes::{Lane, Lanes};
+use crate::number::real::Real;
+use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
+use crate::number::vectors::{Vectors, at};
+use crate::run::ensemble::laws::{Each, Laws, Same};
+use crate::run::ensemble::projected::Projects;
+use crate::run::ensemble::projected_row::Place;
+use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
+use crate::systems::surface::room::SeriesRoom;
+use crate::systems::surface::series::{Contributes, Together, expand, room};
+
+/// In single precision no tolerance is smaller than so many roundings of places, as of [`Dop853`](super::dop853_lanes).
+const ROUNDINGS: f64 = 4.0;
+
+/// The method, and what lanes obey.
+#[derive(Clone)]
+pub(super) struct TaylorInLanes<X> {
+    method: Taylor,
+    laws: X,
+    /// The blocks of products that functions take.
+    functions: usize,
+}
+
+/// Working memory of an expansion, and the coefficients of positions.
+pub(super) struct Expansion<S, const L: usize, const D: usize> {
+    products: SeriesRoom<Lanes<S, L>, D>,
+    series: Vec<[Lanes<S, L>; D]>,
+}
+
+/// What lanes obey, as functions of L numbers at once.
+pub(super) trait InSeries<S: Lane, const L: usize, const D: usize>:
+    Clone + Send + Sync + 'static
+{
+    /// The blocks of products that functions take; none where one has no series.
+    fn functions(&self) -> Option<usize>;
+    /// Writes the coefficients of positions from the first two, with ∇g and 1/|∇g|² at the start.
+    fn expand(
+        &self,
+        room: &mut SeriesRoom<Lanes<S, L>, D>,
+        start: ([Lanes<S, L>; D], Lanes<S, L>),
+        series: &mut [[Lanes<S, L>; D]],
+    );
+    /// Has lane `to` obey what lane `from` does.
+    fn copy(&mut self, from: usize, to: usize);
+}
+
+impl<S: Lane, K, F, const L: usize, const D: usize> InSeries<S, L, D> for Same<K, F>
+where
+    K: ConstraintKernel<Lanes<S, L>, D, 1>,
+    F: Forces<Lanes<S, L>, D>,
+{
+    fn functions(&self) -> Option<usize> {
+        Some(self.0.series()? + self.1.series_blocks(1)?)
+    }
+    #[inline(always)]
+    fn expand(
+        &self,
+        room: &mut SeriesRoom<Lanes<S, L>, D>,
+        start: ([Lanes<S, L>; D], Lanes<S, L>),
+        series: &mut [[Lanes<S, L>; D]],
+    ) {
+        expand::<true, _, _, D>(&self.0, &Together(&self.1), room, 1, |_| start, series, |_, _| {});
+    }
+    fn copy(&mut self, _: usize, _: usize) {}
+}
+
+impl<C, E, S: Lane, const L: usize, const D: usize> InSeries<S, L, D> for Each<C, E, S, L, D>
+where
+    C: Constraint<D, 1> + 'static,
+    E: Effects<D> + 'static,
+{
+    fn functions(&self) -> Option<usize> {
+        Some(self.constraint.series()? + self.effects.series_blocks()?)
+    }
+    #[inline(always)]
+    fn expand(
+        &self,
+        room: &mut SeriesRoom<Lanes<S, L>, D>,
+        start: ([Lanes<S, L>; D], Lanes<S, L>),
+        series: &mut [[Lanes<S, L>; D]],
+    ) {
+        let effects = Apart(&self.effects);
+        expand::<true, _, _, D>(&self.constraint, &effects, room, 1, |_| start, series, |_, _| {});
+    }
+    fn copy(&mut self, from: usize, to: usize) {
+        Laws::copy(self, from, to);
+    }
+}
+
+/// The effects of a sweep on the body of each lane.
+struct Apart<'a, W>(&'a W);
+
+impl<S: Lane, W: Swept<S, L, D>, const L: usize, const D: usize> Contributes<Lanes<S, L>, D>
+    for Apart<'_, W>
+{
+    #[inline(always)]
+    fn contribute<const FIRST: bool>(
+        &self,
+        positions: &[[Lanes<S, L>; D]],
+        forces: &mut [[Lanes<S, L>; D]],
+        order: &mut Order<'_, Lanes<S, L>, FIRST>,
+    ) {
+        self.0.add_series(&positions[0], &mut forces[0], order);
+    }
+}
+
+impl<X> TaylorInLanes<X> {
+    /// This method in lanes that obey these laws; none where a function has no series.
+    pub(super) fn new<S: Lane, const L: usize, const D: usize>(method: Taylor, laws: X) -> Option<Self>
+    where
+        X: InSeries<S, L, D>,
+    {
+        let functions = laws.functions()?;
+        Some(Self { method, laws, functions })
+    }
+}
+
+impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, L, D> for TaylorInLanes<X> {
+    type Method = Taylor;
+    type Room = Expansion<S, L, D>;
+
+    fn method(&self) -> &Taylor {
+        &self.method
+    }
+
+    fn room(&self) -> Expansion<S, L, D> {
+        let orders = self.method.coefficients();
+        let zero = Lanes([S::default(); L]);
+        Expansion { products: room(self.functions, 1, orders), series: vec![[zero; D]; orders] }
+    }
+
+    fn evaluations(&self) -> u32 {
+        self.method.order()
+    }
+
+    fn obey(&mut self, from: usize, to: usize) {
+        self.laws.copy(from, to);
+    }
+
+    #[inline(always)]
+    fn sum<const SUMS: usize>(
+        &self,
+        _: &impl Laws<S, D>,
+        now: &Place<S, L, D>,
+        left: &[S; L],
+        inner: &mut [S; L],
+        next: &mut [S; L],
+        taken: &mut [bool; L],
+        [way, change]: [&mut Vectors<S, L, D>; 2],
+        Expansion { products, series }: &mut Expansion<S, L, D>,
+    ) {
+        let normal = now.normal.map(Lanes);
+        let inverse_square = Lanes::from_f64(1.0) / dot(&normal, &normal);
+        (series[0], series[1]) = (now.q.map(Lanes), now.p.map(Lanes));
+        let Self { method, laws, .. } = self;
+        laws.expand(products, (normal, inverse_square), series);
+        match method.tolerance() {
+            None => (*inner, *next, *taken) = (*left, *left, [true; L]),
+            Some(tolerance) => {
+                let longest = longest::<S, L, D>(method, tolerance, now, series);
+                let shortest = S::from_f64(SMALLEST_PART * method.step_size().abs());
+                for l in 0..L {
+                    taken[l] = shortest.le(longest[l]);
+                    inner[l] = S::select(longest[l].lt(left[l].abs()), longest[l] * left[l].sign(), left[l]);
+                    next[l] = S::select(taken[l], left[l], S::default());
+                }
+            }
+        }
+        let step = Lanes(*inner);
+        let (mut x, mut y) = ([Lanes::from_f64(0.0); D], [Lanes::from_f64(0.0); D]);
+        for (k, coefficient) in series.iter().enumerate().skip(1).rev() {
+            x = scaled(step, &sum(coefficient, &x));
+            if k > 1 {
+                y = scaled(step, &add_scaled(&y, Lanes::from_f64(k as f64), coefficient));
+            }
+        }
+        (*way, *change) = (x.map(|x| x.0), y.map(|y| y.0));
+    }
+
+    fn by_itself<A: ConstraintKernel<S, D, 1>, B: Forces<S, D>>(
+        &self,
+        system: &OnSurface<A, B, One, OneByOne>,
+        parts: u32,
+        bodies: &mut BodiesOf<One, S, B, D>,
+    ) -> Result<(), Failure> {
+        let part = self.method.with_step(self.method.step_size() / f64::from(parts));
+        let view = (system, system, system);
+        part.prepare::<S, OnSurface<A, B, One, OneByOne>, D>(view, bodies);
+        (0..parts).try_for_each(|_| {
+            part.step::<S, OnSurface<A, B, One, OneByOne>, _, D>(view, bodies, &mut [], &mut ())
+        })
+    }
+}
+
+/// The longest inner steps whose last two terms keep the tolerance; 0 where a term is no number.
+#[inline(always)]
+fn longest<S: Lane, const L: usize, const D: usize>(
+    method: &Taylor,
+    tolerance: f64,
+    now: &Place<S, L, D>,
+    series: &[[Lanes<S, L>; D]],
+) -> [S; L] {
+    let [zero, whole, far] = [0.0, method.step_size().abs(), f64::INFINITY].map(S::from_f64);
+    let mut longest = [far; L];
+    for order in [method.order() as usize - 1, method.order() as usize] {
+        let (inverse, scale) = (S::from_f64(1.0 / order as f64), S::from_f64((order + 1) as f64) * whole);
+        let (terms, rates) = (&series[order], &series[order + 1]);
+        for l in 0..L {
+            let mut within = S::from_f64(tolerance);
+            if const { S::EPSILON > f64::EPSILON } {
+                within = within.max(S::from_f64(ROUNDINGS * S::EPSILON) * largest(&at(&now.q, l)));
+            }
+            let [q, v] = [terms, rates].map(|x| largest(&std::array::from_fn::<S, D, _>(|d| x[d].0[l])));
+            let fits = (within / q.max(scale * v)).powf(inverse);
+            let finite = (q + v).lt(far);
+            longest[l] = S::select(finite, S::select(fits.lt(longest[l]), fits, longest[l]), zero);
+        }
+    }
+    longest
+}
