@@ -34,5 +34,5 @@ fn a_step_costs_what_it_did() {
     check("Lobatto, 3 stages", 20.16, Lobatto::<3>::new(0.01));
     check("Lobatto, 5 stages", 30.72, Lobatto::<5>::new(0.01));
     check("DOP853", 30.99, Dop853::new(0.01));
-    check("Taylor, order 12", 30.0, Taylor::new(12, 0.01));
+    check("Taylor, order 12", 9.83, Taylor::new(12, 0.01));
 }
