@@ -4,6 +4,7 @@
     python3 tests/mutants/run.py                        the changes of FILES, judged by PROGRAMS
     python3 tests/mutants/run.py solve/aim solve/root   those of some files
     AGAIN=survivors PROGRAMS=phase LONGEST=20 …         those that survived before, put to other or longer tests
+    TESTS=iterations …                                  tests with names that match alone
 
 A change is an `if` that asks whether its number is on (`src/main.rs` writes it, `on.rs` answers), so that nothing is
 compiled anew for each. First each test is run alone, to see how long it takes and which changes it reaches. Then each
@@ -24,6 +25,7 @@ FILES = """solve/aim solve/root solve/nearing solve/crowd solve/stop kernel/kink
 PROGRAMS = os.environ.get("PROGRAMS", "core roots shapes links networks phase ensembles lanes").split()
 LONGEST = float(os.environ.get("LONGEST", "4"))  # CPU seconds: tests that take longer are left out
 AGAIN = os.environ.get("AGAIN")  # a copy of target/mutants/survivors
+TESTS = re.compile(os.environ.get("TESTS", ""))
 
 
 def cargo(*arguments, **options):
@@ -88,7 +90,7 @@ def reach(executable, folder):
         listing = subprocess.run([executable, "--list", *more], cwd=folder, capture_output=True, text=True).stdout
         return {line[:-6] for line in listing.splitlines() if line.endswith(": test")}
 
-    for name in sorted(listed() - listed("--ignored")):
+    for name in filter(TESTS.search, sorted(listed() - listed("--ignored"))):
         before = os.times().children_user
         status = test(executable, folder, [name], 4 * LONGEST + 1, MUTANT="0")
         seconds = os.times().children_user - before

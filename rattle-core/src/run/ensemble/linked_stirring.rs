@@ -8,7 +8,7 @@
 //! symmetric  v ← v + δ(v + n/2) + n
 //! ```
 //!
-//! For linear flows μ solves G (1 + B/2) M⁻¹Gᵀ μ = −G (v + δ(v)): the [plan](crate::run::ensemble::plan) eliminates it
+//! For linear flows μ solves G (1 + B/2) M⁻¹Gᵀ μ = −G (v + δ(v)): the [plan](crate::run::ensemble::linked_plan) eliminates it
 //! with (1 + B/2) M⁻¹Gᵀ in the place of M⁻¹Gᵀ. The symmetric part of that matrix is positive for drags and fields, so
 //! no search for pivots is needed. For other flows n is found by repetition and secants, as [`crate::motion::stir`]
 //! does. A lane for which it is not found goes by itself.
