@@ -58,6 +58,8 @@ fn as_alone_but_for_rounding() {
     let fused = InstructionSet::widest().fuses();
     assert!(found.iter().all(|&off| off < 2e-13 && (off > 0.0) == fused), "{found:?}");
     assert!(off(Single, Dop853::new(0.02), 25) < 1e-3);
+    // In units of time in which high coefficients do not overflow.
+    assert!(off(Single, Taylor::new(40, 0.02), 25) < 1e-3);
     // In as many inner steps as places have digits for: without end otherwise.
     assert!(off(Single, Dop853::adaptive(0.5, 1e-13), 1) < 1e-3);
     assert!(off(Single, Taylor::adaptive(9, 0.25, 1e-13), 2) < 1e-3);

@@ -4,7 +4,7 @@
 use crate::lanes_linked::Told;
 use rattle::bodies::Count;
 use rattle::composition::{KAHAN_LI_1997_ORDER_8, SUZUKI_1990_ORDER_4};
-use rattle::effect::Effects;
+use rattle::effect::{Effects, Langevin};
 use rattle::ensemble::InstructionSet;
 use rattle::method::Method;
 use rattle::nalgebra::{Rotation3, Vector3};
@@ -227,6 +227,12 @@ fn the_same_bits_everywhere() {
         Ensemble::of(Double, &scene, numbers.iter().map(|&i| start(i)), method, set).unwrap()
     };
     check(&rattle, &Rattle::new(0.1), wild, steps);
+    let hot = scene.with(Langevin { friction: 0.1, temperature: 0.01, seed: 3 });
+    let stirred = |numbers: &[u32], set, method: Rattle| {
+        let starts = numbers.iter().map(|&i| start(i).numbered(i.into()));
+        Ensemble::of(Double, &hot, starts, method, set).unwrap()
+    };
+    check(&stirred, &Rattle::new(0.1), wild, steps);
     let suzuki = |numbers: &[u32], set, method: Composition<Rattle>| {
         Ensemble::of(Compensated, &scene, numbers.iter().map(|&i| start(i)), method, set).unwrap()
     };

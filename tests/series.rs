@@ -261,7 +261,7 @@ fn great_circles() {
     let system = scene.system::<f64>();
     let start = Body { q, q_low: [0.0; 3], p: v, p_low: [0.0; 3] };
     let mut bodies = system.bodies(&[start], 0.0);
-    system.reserve_series(&mut bodies, LAST + 1);
+    system.reserve_series(&mut bodies, LAST + 1, 1.0);
     let mut series = vec![[0.0; 3]; LAST + 1];
     system.expand(&mut bodies, &mut series, &mut ());
     let (mut factorial, mut sign) = (1.0, 1.0);

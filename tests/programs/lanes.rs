@@ -10,6 +10,8 @@ mod lanes_drift;
 mod lanes_flows;
 #[path = "../lanes_flows_linked.rs"]
 mod lanes_flows_linked;
+#[path = "../lanes_flows_rigid.rs"]
+mod lanes_flows_rigid;
 #[path = "../lanes_heat.rs"]
 mod lanes_heat;
 #[path = "../lanes_linked.rs"]

@@ -10,6 +10,8 @@ mod linked;
 mod linked_ends;
 #[path = "../linked_errors.rs"]
 mod linked_errors;
+#[path = "../linked_starts.rs"]
+mod linked_starts;
 #[path = "../linked_ways.rs"]
 mod linked_ways;
 #[path = "../memory.rs"]

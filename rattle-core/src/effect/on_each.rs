@@ -8,7 +8,6 @@ use crate::kernel::series::Order;
 use crate::number::lanes::{Lane, Lanes, side_by_side};
 use crate::number::real::Real;
 use crate::number::vector::add_scaled;
-use std::array::from_fn;
 
 /// The kind of effect of every [`Potential`]: on each body.
 #[derive(Debug, Clone, Copy)]
@@ -48,7 +47,13 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for ActsOnE
     fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D] {
         let gradient = self.0.gradient(q);
         let along = self.0.acts_along();
-        from_fn(|d| if along[d] { (-c).multiply_add(gradient[d], p[d]) } else { p[d] })
+        let mut kicked = p;
+        for d in 0..D {
+            if along[d] {
+                kicked[d] = (-c).multiply_add(gradient[d], p[d]);
+            }
+        }
+        kicked
     }
     fn energy(&self, at: Moment<'_, T, D>) -> T {
         at.positions.iter().fold(T::from_f64(-0.0), |energy, q| energy + self.0.value(q))
@@ -64,7 +69,10 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for ActsOnE
         order: &mut Order<'_, T, FIRST>,
     ) {
         for (q, force) in positions.iter().zip(forces) {
-            *force = add_scaled(force, T::from_f64(-1.0), &self.0.gradient_series(q, order));
+            let gradient = self.0.gradient_series(q, order);
+            for (force, gradient) in force.iter_mut().zip(gradient) {
+                *force = *force - gradient;
+            }
         }
     }
 }
@@ -117,6 +125,9 @@ impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> Swept<S, L, D> fo
         force: &mut [Lanes<S, L>; D],
         order: &mut Order<'_, Lanes<S, L>, FIRST>,
     ) {
-        *force = add_scaled(force, Lanes::from_f64(-1.0), &self.0.gradient_series(q, order));
+        let gradient = self.0.gradient_series(q, order);
+        for (force, gradient) in force.iter_mut().zip(gradient) {
+            *force = *force - gradient;
+        }
     }
 }

@@ -108,7 +108,7 @@ impl Method for Taylor {
         (_, _, series): View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
     ) {
-        series.reserve_series(bodies, self.coefficients());
+        series.reserve_series(bodies, self.coefficients(), self.h);
         bodies.make_room(self.coefficients());
     }
 
@@ -155,7 +155,7 @@ impl Taylor {
         };
         let mut left = self.h;
         loop {
-            let (longest, body) = self.longest(bodies, series, tolerance);
+            let (longest, body) = self.longest(bodies, series, tolerance, motion.unit(bodies));
             let collapsed = longest < SMALLEST_PART * self.h.abs();
             if longest.is_nan() {
                 return Err(Failure { body, cause: MethodFailure::StageNotFinite { h: self.h }.into() });
@@ -185,6 +185,7 @@ impl Taylor {
         bodies: &Bodies<N, T, X, D>,
         series: &[[T; D]],
         tolerance: f64,
+        unit: f64,
     ) -> (f64, usize) {
         let n = bodies.q.as_ref().len();
         let mut longest = (f64::INFINITY, 0);
@@ -192,8 +193,8 @@ impl Taylor {
             for body in 0..n {
                 let q = largest(&series[order * n + body]).to_f64();
                 let v = largest(&series[(order + 1) * n + body]).to_f64();
-                let size = q.max((order + 1) as f64 * v * self.h.abs()) + 0.0 * (q + v); // NaN if one is
-                let fits = (tolerance / size).powf(1.0 / order as f64);
+                let size = q.max((order + 1) as f64 * v * (self.h / unit).abs()) + 0.0 * (q + v); // NaN if one is
+                let fits = unit * (tolerance / size).powf(1.0 / order as f64);
                 if fits < longest.0 || fits.is_nan() {
                     longest = (fits, body);
                 }
@@ -212,7 +213,8 @@ impl Taylor {
     ) -> Result<(), Failure> {
         let n = bodies.q.as_ref().len();
         let orders = series.len().checked_div(n).unwrap_or(0);
-        let (step, zero) = (T::from_f64(h), [T::from_f64(0.0); D]);
+        let unit = motion.unit(bodies);
+        let (step, over_unit, zero) = (T::from_f64(h / unit), T::from_f64(1.0 / unit), [T::from_f64(0.0); D]);
         for body in 0..n {
             let (mut way, mut change) = (zero, zero);
             for k in (1..orders).rev() {
@@ -227,6 +229,7 @@ impl Taylor {
             if !finite {
                 return Err(Failure { body, cause: MethodFailure::StageNotFinite { h }.into() });
             }
+            change = scaled(over_unit, &change);
             let impulse = motion.expanded_impulse(bodies, body, h);
             let impulse = impulse.unwrap_or_else(|| rates.momentum(body, &change));
             let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);

@@ -67,11 +67,19 @@ pub trait Collocation<N: Count, X, T: Scalar, const D: usize> {
 
 /// The motion as a power series in time.
 pub trait Series<N: Count, X, T: Scalar, const D: usize> {
-    /// Allocates memory for `orders` coefficients, so that steps need not.
-    fn reserve_series(&self, bodies: &mut Bodies<N, T, X, D>, orders: usize);
+    /// Allocates memory for `orders` coefficients, so that steps of about `h` need not.
+    fn reserve_series(&self, bodies: &mut Bodies<N, T, X, D>, orders: usize, h: f64);
 
-    /// Writes the power series of the motion in time about the present state: q₀ of all bodies, q₁ of all, …, as many
-    /// coefficients as `series` has room for. `witness` gets λ at the start. Neither allocates nor panics.
+    /// The unit in which coefficients measure time: near h, so that high ones do not overflow, and a power of two, so
+    /// that no bit depends on it; or 1.
+    #[inline(always)]
+    fn unit(&self, _bodies: &Bodies<N, T, X, D>) -> f64 {
+        1.0
+    }
+
+    /// Writes the power series of the motion in time, in this [unit](Self::unit), about the present state: q₀ of all
+    /// bodies, q₁ of all, …, as many coefficients as `series` has room for. `witness` gets λ at the start. Neither
+    /// allocates nor panics.
     fn expand<W: Witness<T>>(&self, bodies: &mut Bodies<N, T, X, D>, series: &mut [[T; D]], witness: &mut W);
 
     /// The change of a body's momentum in the time h after the last expansion; `None` where it is M times the change of
@@ -121,7 +129,7 @@ impl<N: Count, X, T: Scalar, const D: usize> Collocation<N, X, T, D> for Never {
 }
 
 impl<N: Count, X, T: Scalar, const D: usize> Series<N, X, T, D> for Never {
-    fn reserve_series(&self, _: &mut Bodies<N, T, X, D>, _: usize) {
+    fn reserve_series(&self, _: &mut Bodies<N, T, X, D>, _: usize, _: f64) {
         match *self {}
     }
     fn expand<W: Witness<T>>(&self, _: &mut Bodies<N, T, X, D>, _: &mut [[T; D]], _: &mut W) {

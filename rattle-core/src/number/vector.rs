@@ -1,7 +1,7 @@
-//! Arithmetic on `[T; D]`, the form in which kernels see points and vectors.
+//! Arithmetic on `[T; D]`, the form in which kernels see points and vectors. In loops: of many components
+//! `array::from_fn` may become a call, compiled for no instruction set.
 
 use crate::number::real::Real;
-use std::array::from_fn;
 
 /// a·b, summed from the first component on.
 #[inline(always)]
@@ -16,19 +16,31 @@ pub(crate) fn dot<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
 /// a + c b.
 #[inline(always)]
 pub(crate) fn add_scaled<T: Real, const D: usize>(a: &[T; D], c: T, b: &[T; D]) -> [T; D] {
-    from_fn(|i| c.multiply_add(b[i], a[i]))
+    let mut all = *a;
+    for i in 0..D {
+        all[i] = c.multiply_add(b[i], a[i]);
+    }
+    all
 }
 
 /// c a.
 #[inline(always)]
 pub(crate) fn scaled<T: Real, const D: usize>(c: T, a: &[T; D]) -> [T; D] {
-    from_fn(|i| c * a[i])
+    let mut all = *a;
+    for i in 0..D {
+        all[i] = c * a[i];
+    }
+    all
 }
 
 /// a + b.
 #[inline(always)]
 pub(crate) fn sum<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; D] {
-    from_fn(|i| a[i] + b[i])
+    let mut all = *a;
+    for i in 0..D {
+        all[i] = a[i] + b[i];
+    }
+    all
 }
 
 /// maxᵢ |aᵢ|.
@@ -60,11 +72,12 @@ pub(crate) fn size<const D: usize>(a: &[f64; D]) -> f64 {
 /// (fl(a + b), a + b − fl(a + b)) in every component: exact, whatever the sizes (Knuth 1969).
 #[inline(always)]
 pub(crate) fn two_sum<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> ([T; D], [T; D]) {
-    let high: [T; D] = from_fn(|i| a[i] + b[i]);
-    let low = from_fn(|i| {
+    let (mut high, mut low) = (*a, *a);
+    for i in 0..D {
+        high[i] = a[i] + b[i];
         let b_part = high[i] - a[i];
         let a_part = high[i] - b_part;
-        (a[i] - a_part) + (b[i] - b_part)
-    });
+        low[i] = (a[i] - a_part) + (b[i] - b_part);
+    }
     (high, low)
 }

@@ -14,7 +14,12 @@ pub(crate) type Vectors<S, const L: usize, const D: usize> = [[S; L]; D];
 /// The vector in a lane.
 #[inline(always)]
 pub(crate) fn at<S: Copy, const L: usize, const D: usize>(vectors: &Vectors<S, L, D>, lane: usize) -> [S; D] {
-    from_fn(|d| vectors[d][lane])
+    // A loop: of many components `array::from_fn` may become a call, compiled for no instruction set.
+    let mut all = [vectors[0][lane]; D];
+    for d in 1..D {
+        all[d] = vectors[d][lane];
+    }
+    all
 }
 
 /// Puts a vector into a lane.

@@ -1,7 +1,6 @@
 //! Which trajectories of an ensemble are computed in lanes, and why others are not.
 
 use crate::effect::list::Forces;
-use crate::motion::hold::{Hold, Kind};
 use crate::motion::method::{Method, Splitting};
 use crate::number::instructions::InstructionSet;
 
@@ -48,11 +47,8 @@ pub enum NotInLanes {
     /// type.
     #[error("flow `{0}` depends on forces, which are not known in lanes")]
     FeelsForces(&'static str),
-    /// In lanes, flows of momenta act on one body on a surface or on linked bodies, moved by a splitting into kicks and
-    /// drifts.
-    #[error(
-        "flows of momenta act in lanes on one body on a surface and on linked bodies, moved by kicks and drifts"
-    )]
+    /// In lanes, flows of momenta act on bodies that a splitting into kicks and drifts moves.
+    #[error("flows of momenta act in lanes on bodies that are moved by kicks and drifts")]
     Flows,
     /// The bodies, or the constraints and links between them, have no form in lanes, or scenes of a sweep differ in
     /// more than parameters.
@@ -68,11 +64,9 @@ impl Plan {
     }
 }
 
-/// Why these effects cannot act in lanes, if they cannot: forces can, and flows on one body on a surface and on linked
-/// bodies.
-pub(super) fn act_in_lanes<S: Method, C: Hold<D>, F: Forces<f64, D>, const D: usize>(
-    effects: &F,
-) -> Option<NotInLanes> {
+/// Why these effects cannot act in lanes, if they cannot: forces can, and flows on one body on a surface, on linked
+/// bodies and on rigid ones.
+pub(super) fn act_in_lanes<S: Method, F: Forces<f64, D>, const D: usize>(effects: &F) -> Option<NotInLanes> {
     if let Some(effect) = effects.not_in_lanes() {
         return Some(NotInLanes::Effect(effect));
     }
@@ -83,6 +77,6 @@ pub(super) fn act_in_lanes<S: Method, C: Hold<D>, F: Forces<f64, D>, const D: us
     if let Some((_, effect)) = manners.into_iter().find(|(manner, _)| manner.feels) {
         return Some(NotInLanes::FeelsForces(effect));
     }
-    let flows_do = const { !matches!(C::KIND, Kind::Rigid) && !matches!(S::SPLITTING, Splitting::Not) };
+    let flows_do = const { !matches!(S::SPLITTING, Splitting::Not) };
     if flows_do { None } else { Some(NotInLanes::Flows) }
 }

@@ -105,7 +105,13 @@ impl<S: Lane, const L: usize, const D: usize> Projects<S, L, D> for Dop853 {
         parts: u32,
         bodies: &mut BodiesOf<One, S, F, D>,
     ) -> Result<(), Failure> {
-        let part = self.with_step(self.step_size() / f64::from(parts));
+        let mut part = self.with_step(self.step_size() / f64::from(parts));
+        if S::EPSILON > f64::EPSILON
+            && let Some(tolerance) = self.tolerance()
+        {
+            let least = ROUNDINGS * S::EPSILON * largest(&bodies.q[0]).to_f64();
+            part = Self::adaptive(part.step_size(), tolerance.max(least));
+        }
         (0..parts).try_for_each(|_| {
             part.step::<S, OnSurface<K, F, One, OneByOne>, _, D>((system, system), bodies, &mut [], &mut ())
         })

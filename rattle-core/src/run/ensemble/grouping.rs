@@ -26,8 +26,9 @@ use crate::run::ensemble::phase_lanes::{PhaseLanes, fits_lanes};
 use crate::run::ensemble::phase_row::ROW as IN_PHASE_SPACE;
 use crate::run::ensemble::precision::{InNumbers, Precision};
 use crate::run::ensemble::projected_lanes::ProjectedLanes;
+use crate::run::ensemble::rigid_going::Turns;
 use crate::run::ensemble::rigid_lanes::RigidLanes;
-use crate::run::ensemble::rigid_row::{RigidRow, Turns};
+use crate::run::ensemble::rigid_row::RigidRow;
 use crate::run::ensemble::side_by_side::side_by_side;
 use crate::run::ensemble::splitting_lanes::{Splits, SplittingLanes};
 use crate::run::ensemble::taylor_lanes::{InSeries, TaylorInLanes};
@@ -279,7 +280,7 @@ pub(super) fn rigid<P: Precision, S: Method, Y: System<f64, D>, const D: usize>(
     if starts.iter().any(|start| start.len() != number) {
         return None;
     }
-    let (first, method) = (lanes.first, Arc::new(lanes.splits::<P, S>(false)));
+    let (first, method) = (lanes.first, Arc::new(lanes.splits::<P, S>(const { Y::FLOWS > 0 })));
     let rows = Rigids { bodies, systems, effects, starts, first, method };
     if starts.len() <= 3 * FEW { rows.of::<FEW>() } else { rows.of::<ROW>() }
 }

@@ -6,7 +6,6 @@ use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::run::ensemble::laws::Laws;
 use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
-use std::array::from_fn;
 use std::borrow::Borrow;
 
 /// How far a step may have led astray, and whether g is as small as along one sheet on the curve through both ends with
@@ -28,8 +27,11 @@ pub(super) fn follows<S: Lane, const D: usize>(
     let [first, last] = [scaled(h, &p), scaled(h, &p_end)];
     let off = largest(&add_scaled(&way, -half, &sum(&first, &last)));
     // Half of what the accelerations at both ends are beyond those of the cubic.
-    let at_first: [S; D] = from_fn(|d| two.multiply_add(first[d], last[d]) - three * way[d]);
-    let at_last: [S; D] = from_fn(|d| three * way[d] - two.multiply_add(last[d], first[d]));
+    let (mut at_first, mut at_last) = (way, way);
+    for d in 0..D {
+        at_first[d] = two.multiply_add(first[d], last[d]) - three * way[d];
+        at_last[d] = three * way[d] - two.multiply_add(last[d], first[d]);
+    }
     let at_first = add_scaled(&at_first, half_square, &pull);
     let at_last = add_scaled(&at_last, half_square, &pull_end);
     let most = S::from_f64(OFF_INSIDE).multiply_add(off, S::from_f64(ROUNDINGS * S::EPSILON) * size);

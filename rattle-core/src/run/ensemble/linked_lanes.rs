@@ -460,7 +460,7 @@ where
         if const { F::FLOWS > 0 }
             && let Some(stirring) = &mut Arc::make_mut(&mut self.obeyed).stirring
         {
-            stirring.draw_as(lane, draws);
+            stirring.rhythm.draw_as(lane, draws);
         }
     }
 
@@ -499,8 +499,9 @@ where
         if const { F::FLOWS > 0 }
             && let Some(stirring) = &self.obeyed.stirring
         {
-            let at = |steps| (stirring.noise(lane, from + steps), stirring.now(lane, from + steps));
-            let (after, work) = (stirring.after, self.account.work[lane]);
+            let rhythm = &stirring.rhythm;
+            let at = |steps| (rhythm.noise(lane, from + steps), rhythm.now(lane, from + steps));
+            let (after, work) = (rhythm.after, self.account.work[lane]);
             let stirred = StirredAlone { after, at: &at, place, work };
             return by_itself::<f64, _, D>(system, stages, Some(stirred), steps, parts, bodies);
         }

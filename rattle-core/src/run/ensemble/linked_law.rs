@@ -63,13 +63,16 @@ pub(super) fn answer<'a, F: Forces<f64, D>, const D: usize, const W: usize>(
 ) {
     for lane in (0..W).filter(|&lane| asked[lane] != 0) {
         let Law { system, masses, .. } = law(lane);
-        let noise = Noise { effect: number as u64, place, ..stirring.noise(lane, steps) };
+        let noise = Noise { effect: number as u64, place, ..stirring.rhythm.noise(lane, steps) };
         let [positions, velocities] = [q, v].map(|rows| vectors(rows, lane, |_, x| x.0));
         let momenta: Vec<[f64; D]> = vectors(v, lane, |c, x| masses[c][0] * x.0);
         let during = Interval {
-            h: stirring.time,
+            h: stirring.rhythm.time,
             before: half == Half::Before,
-            at: Moment { time: stirring.now(lane, steps) + stirring.passed(half), positions: &positions },
+            at: Moment {
+                time: stirring.rhythm.now(lane, steps) + stirring.rhythm.passed(half),
+                positions: &positions,
+            },
             momenta: &momenta,
             velocities: &velocities,
             rates: &[],

@@ -10,7 +10,8 @@ use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::linked_plan::Places;
 use crate::run::ensemble::linked_row::{Apart, Course, LinkedRow};
-use crate::run::ensemble::linked_stirring::{Answer, RowStirring, When};
+use crate::run::ensemble::linked_stirring::{Answer, RowStirring};
+use crate::run::ensemble::rhythm::{Rhythm, When};
 use crate::run::ensemble::stirred::LARGER;
 use crate::solve::crowd::EVERY;
 use crate::systems::network::in_lanes::{Numbers, zeros};
@@ -69,7 +70,7 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
     /// A step of the method with flows, after so many.
     #[inline(always)]
     fn step(&mut self, steps: u64) -> Result<(), Stuck> {
-        let (course, &RowStirring { after, at_once, .. }) = (self.course, self.stirring);
+        let (course, &Rhythm { after, at_once, .. }) = (self.course, &self.stirring.rhythm);
         let around = after == 0;
         if around {
             self.act(Half::Before, steps)?;

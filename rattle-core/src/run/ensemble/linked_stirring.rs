@@ -8,24 +8,22 @@
 //! symmetric  v ← v + δ(v + n/2) + n
 //! ```
 //!
-//! For linear flows μ solves G (1 + B/2) M⁻¹Gᵀ μ = −G (v + δ(v)): the [plan](crate::run::ensemble::linked_plan) eliminates it
-//! with (1 + B/2) M⁻¹Gᵀ in the place of M⁻¹Gᵀ. The symmetric part of that matrix is positive for drags and fields, so
-//! no search for pivots is needed. For other flows n is found by repetition and secants, as [`crate::motion::stir`]
-//! does. A lane for which it is not found goes by itself.
+//! For linear flows μ solves G (1 + B/2) M⁻¹Gᵀ μ = −G (v + δ(v)): the [plan](crate::run::ensemble::linked_plan)
+//! eliminates it with (1 + B/2) M⁻¹Gᵀ in the place of M⁻¹Gᵀ. The symmetric part of that matrix is positive for drags
+//! and fields, so no search for pivots is needed. For other flows n is found by repetition and secants, as
+//! [`crate::motion::stir`] does. A lane for which it is not found goes by itself.
 
 use crate::effect::interval::{Half, Inertia, Rule};
 use crate::effect::list::Forces;
-use crate::effect::noise::Noise;
 use crate::motion::system::System;
-use crate::number::clock::after_steps;
 use crate::number::instructions::Work;
 use crate::number::lanes::{Fused, Lanes};
 use crate::number::real::Real;
-use crate::run::ensemble::engine::Draws;
 use crate::run::ensemble::linked_plan::Places;
 use crate::run::ensemble::linked_row::{Course, PIVOT};
+use crate::run::ensemble::rhythm::{Bath, Rhythm, When};
 use crate::run::ensemble::splitting_lanes::Splits;
-use crate::run::ensemble::stirring::{DEVIATIONS, MOST_ROUNDS, normal};
+use crate::run::ensemble::stirring::{DEVIATIONS, MOST_ROUNDS};
 use crate::systems::network::in_lanes::{Number, Numbers, Which, zeros};
 use std::array::from_fn;
 
@@ -33,22 +31,13 @@ use std::array::from_fn;
 #[derive(Clone)]
 pub(super) struct RowStirring<const W: usize> {
     flows: Vec<Stir<W>>,
-    /// After how many parts of a step flows act; 0 where half of them act before the step and half after it.
-    pub(super) after: usize,
-    /// Whether they act once in a step, not in two halves.
-    pub(super) at_once: bool,
-    /// The step, and the time for which flows act each time.
-    h: f64,
-    pub(super) time: f64,
-    /// Whether a flow changes with time.
-    changes: bool,
+    pub(super) rhythm: Rhythm<W>,
     /// Coordinates of a body.
     dimension: usize,
     /// Mass and 1 over it by coordinate; both 0 where pinned.
     masses: Vec<[Numbers<W>; 2]>,
     /// The largest velocity to expect of each coordinate.
     pub(super) least: Vec<Numbers<W>>,
-    draws: [Draws; W],
 }
 
 /// A flow.
@@ -60,16 +49,6 @@ enum Stir<const W: usize> {
     Matrix(Rule, Vec<Numbers<W>>),
     /// By asking it.
     Asked(Rule),
-}
-
-/// An Ornstein–Uhlenbeck process.
-#[derive(Clone)]
-struct Bath<const W: usize> {
-    lost: Numbers<W>,
-    /// Whether there is noise; √variance, and the seeds.
-    draws: bool,
-    deviation: Numbers<W>,
-    seed: [u64; W],
 }
 
 /// What is asked of a flow: what velocities change by, in these lanes.
@@ -87,13 +66,6 @@ pub(super) struct Question<'a, const W: usize> {
 /// Who answers.
 pub(super) type Answer<'a, const W: usize> = dyn FnMut(Question<'_, W>, &mut [Numbers<W>]) + 'a;
 
-/// When flows act: before a step or after it, after so many.
-#[derive(Clone, Copy)]
-pub(super) struct When {
-    pub(super) half: Half,
-    pub(super) steps: u64,
-}
-
 impl<const W: usize> RowStirring<W> {
     /// What stirs lanes that obey these systems by this method; none where nothing does.
     pub(super) fn of<'a, F: Forces<f64, D>, Y: System<f64, D>, const D: usize>(
@@ -103,10 +75,10 @@ impl<const W: usize> RowStirring<W> {
         if const { F::FLOWS == 0 } {
             return None;
         }
-        let &Splits { h, stirs_after: after, .. } = method;
         let rule = |number| lane(0).0.manner(number).0.rule;
-        let at_once = after > 0 && F::FLOWS == 1 && rule(0) == Rule::Random;
-        let time = if at_once { h } else { 0.5 * h };
+        let once = F::FLOWS == 1 && rule(0) == Rule::Random;
+        let rhythm = Rhythm::of(method, once, (0..W).any(|l| lane(l).0.changes_with_time()));
+        let time = rhythm.time;
         let n = lane(0).2.len();
         let number = |f: &dyn Fn(usize) -> f64| Lanes(from_fn(|l| Fused(f(l))));
         let masses: Vec<_> = (0..n).map(|c| [0, 1].map(|of| number(&|l| lane(l).2[c][of]))).collect();
@@ -121,13 +93,7 @@ impl<const W: usize> RowStirring<W> {
                         least.0[l] = least.0[l].max(Fused(most));
                     }
                 }
-                let bath = Bath {
-                    lost: number(&|l| of[l].lost),
-                    draws: of.iter().any(|of| of.variance != 0.0),
-                    deviation: number(&|l| of[l].variance.sqrt()),
-                    seed: from_fn(|l| of[l].seed),
-                };
-                return Stir::Bath(rule(flow), bath);
+                return Stir::Bath(rule(flow), Bath::of(&of));
             }
             let mut matrix = vec![zeros::<W>(); n * D];
             for (body, rows) in matrix.chunks_mut(D * D).enumerate() {
@@ -146,51 +112,19 @@ impl<const W: usize> RowStirring<W> {
             Stir::Matrix(rule(flow), matrix)
         };
         let flows = (0..F::FLOWS).map(&mut stir).collect();
-        let (changes, draws) = ((0..W).any(|l| lane(l).0.changes_with_time()), [Draws::default(); W]);
-        Some(Box::new(Self { flows, after, at_once, h, time, changes, dimension: D, masses, least, draws }))
+        Some(Box::new(Self { flows, rhythm, dimension: D, masses, least }))
     }
 
     /// Has lane `to` be stirred as lane `from` is.
     pub(super) fn copy(&mut self, from: usize, to: usize) {
-        self.draws[to] = self.draws[from];
+        self.rhythm.copy(from, to);
         self.masses.iter_mut().flatten().chain(&mut self.least).for_each(|row| row.0[to] = row.0[from]);
         for flow in &mut self.flows {
             match flow {
-                Stir::Bath(_, Bath { lost, deviation, seed, .. }) => {
-                    (lost.0[to], deviation.0[to]) = (lost.0[from], deviation.0[from]);
-                    seed[to] = seed[from];
-                }
+                Stir::Bath(_, bath) => bath.copy(from, to),
                 Stir::Matrix(_, matrix) => matrix.iter_mut().for_each(|row| row.0[to] = row.0[from]),
                 Stir::Asked(_) => {}
             }
-        }
-    }
-
-    /// Says where a lane starts.
-    pub(super) fn draw_as(&mut self, lane: usize, draws: Draws) {
-        self.draws[lane] = draws;
-    }
-
-    /// Where the random numbers of a lane are after so many steps.
-    #[inline(always)]
-    pub(super) fn noise(&self, lane: usize, steps: u64) -> Noise {
-        let Draws { trajectory, steps: before, .. } = self.draws[lane];
-        Noise { trajectory, step: before + steps, ..Noise::default() }
-    }
-
-    /// The time of a lane after so many steps, as flows are told it.
-    pub(super) fn now(&self, lane: usize, steps: u64) -> f64 {
-        let start = self.draws[lane].time;
-        if self.changes { after_steps(start, steps, self.h).0 } else { start.0 }
-    }
-
-    /// How much of the step has passed when flows act.
-    pub(super) fn passed(&self, half: Half) -> f64 {
-        match (self.changes, half) {
-            (false, _) => 0.0,
-            (true, _) if self.after > 0 => 0.5 * self.h,
-            (true, Half::Before) => 0.0,
-            (true, Half::After) => self.h,
         }
     }
 
@@ -247,18 +181,8 @@ impl<const W: usize> RowStirring<W> {
         let of_body = d.div_ceil(4) as u64;
         for (first, body) in (0..self.masses.len()).step_by(d).zip(0_u64..) {
             for (four, draw) in (0..d).step_by(4).zip(body * of_body..) {
-                let (mut words, mut drawn) = ([[0; W]; 4], [[Fused(0.0); W]; 4]);
-                for l in 0..W {
-                    let noise = Noise { effect: number as u64, place, ..self.noise(l, steps) };
-                    let own = noise.words(bath.seed[l], draw);
-                    for (words, own) in words.iter_mut().zip(own) {
-                        words[l] = own;
-                    }
-                }
                 let pairs = if d - four > 2 { 2 } else { 1 };
-                for (two, words) in drawn.chunks_mut(2).zip(words.as_chunks().0).take(pairs) {
-                    normal(words, two);
-                }
+                let drawn = bath.draw(&self.rhythm, (number, place, steps), draw, pairs);
                 for (c, drawn) in (first + four..first + d).zip(&drawn) {
                     let (over, to) = (&self.masses[c][1], &mut changes[c]);
                     for l in 0..W {
@@ -335,11 +259,8 @@ impl<const W: usize> Work for Acting<'_, '_, '_, W> {
     #[inline(always)]
     fn run(self) -> Result<(), usize> {
         let Self { stirring, course, when, numbers, work, answer } = self;
-        let (n, before) = (stirring.flows.len(), stirring.energy(course, numbers));
-        let second = !stirring.at_once && (when.half == Half::After) == (stirring.after == 0);
-        for i in 0..n {
-            let number = if when.half == Half::Before { i } else { n - 1 - i };
-            let place = (if second { n + i } else { i }) as u64;
+        let before = stirring.energy(course, numbers);
+        for (number, place) in stirring.rhythm.turns(stirring.flows.len(), when.half) {
             match &stirring.flows[number] {
                 Stir::Bath(rule, bath) => {
                     let changes = course.plan.places.free;

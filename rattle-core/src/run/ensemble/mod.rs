@@ -23,8 +23,8 @@
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
 //!   different topologies, or with other bodies pinned;
-//! * any number of [rigid bodies](crate::systems::rigid::Rigid) without flows, moved by the same methods, always in
-//!   double precision;
+//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the same methods, always in double
+//!   precision; also with flows of momenta, of the same kinds;
 //! * any number of bodies in [phase space](crate::systems::phase), of up to 16 coordinates, moved by RATTLE or a
 //!   composition of it, always in double precision with compensated sums.
 //!
@@ -89,8 +89,11 @@ pub mod precision;
 mod projected;
 mod projected_lanes;
 mod projected_row;
+mod rhythm;
+mod rigid_going;
 mod rigid_lanes;
 mod rigid_row;
+mod rigid_stirring;
 mod row;
 mod side_by_side;
 mod splitting_lanes;

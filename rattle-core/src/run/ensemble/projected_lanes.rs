@@ -164,7 +164,7 @@ where
     fn method(&self) -> Hallmark {
         let method = self.method.method();
         let tolerance = method.tolerance().unwrap_or(0.0);
-        Hallmark::new("method", "a projected one", vec![f64::from(method.order()), self.h, tolerance])
+        Hallmark::new("method", method.name(), vec![f64::from(method.order()), self.h, tolerance])
     }
 }
 

@@ -8,11 +8,13 @@ use crate::motion::system::System;
 use crate::number::lanes::{Fused, Lanes};
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
-use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls};
 use crate::run::ensemble::linked_going::Width;
-use crate::run::ensemble::rigid_row::{Course, Inertia, RigidRow, Rotor, Steps, Three, Turns, Weights, push};
-use crate::run::ensemble::splitting_lanes::{Splits, by_itself};
+use crate::run::ensemble::rigid_going::Turns;
+use crate::run::ensemble::rigid_row::{Course, Inertia, RigidRow, Rotor, Steps, Three, Weights, push};
+use crate::run::ensemble::rigid_stirring::{Question, RotorStirring, StirredSteps, answer};
+use crate::run::ensemble::splitting_lanes::{Splits, StirredAlone, by_itself};
 use crate::run::fingerprint::of_system;
 use crate::systems::network::in_lanes::{at, put, zeros};
 use crate::systems::rigid::Rigid;
@@ -30,6 +32,9 @@ pub(super) struct RigidLanes<Y, const D: usize, const W: usize> {
     inertia: Inertia<W>,
     pulls: Option<Box<dyn Pulls<RigidRow, W>>>,
     bodies: Vec<Rotor<W>>,
+    /// What stirs them, and the work of flows on each lane since the start; nothing without flows.
+    stirring: Option<Box<RotorStirring<W>>>,
+    work: Vec<f64>,
     method: Arc<Splits>,
     guesses: Arc<[Weights]>,
     /// The part of the method's step that comes next.
@@ -42,6 +47,8 @@ impl<Y, const D: usize, const W: usize> Clone for RigidLanes<Y, D, W> {
             systems: self.systems.clone(),
             pulls: self.pulls.as_ref().map(|pulls| pulls.boxed()),
             bodies: self.bodies.clone(),
+            stirring: self.stirring.clone(),
+            work: self.work.clone(),
             method: self.method.clone(),
             guesses: self.guesses.clone(),
             ..*self
@@ -63,8 +70,12 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
         for lane in 0..W {
             inertia.put(lane, &rigid[of(lane)].moments().map(Fused));
         }
+        let system: [usize; W] = from_fn(|lane| if lane < systems.len() { lane } else { 0 });
+        let stirring = RotorStirring::of(|lane| &systems[system[lane]], &method).map(Box::new);
         Self {
-            system: from_fn(|lane| if lane < systems.len() { lane } else { 0 }),
+            work: if stirring.is_some() { vec![0.0; W] } else { Vec::new() },
+            stirring,
+            system,
             systems,
             inertia,
             pulls,
@@ -142,25 +153,40 @@ where
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
         let (mut bodies, mut part, n) = (self.bodies.clone(), self.part, self.bodies.len());
         let mut room = self.pulls.as_ref().map(|pulls| pulls.begin());
-        let mut kicks = vec![[zeros(); 3]; n];
+        let (mut kicks, mut work) = (vec![[zeros(); 3]; n], self.work.clone());
         while let Some(Leg { from, steps, written, .. }) = tour.next() {
-            Width::turn(Steps {
-                course: self.course(),
-                pulling: room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<RigidRow, W>),
-                bodies: &mut bodies,
-                kicks: &mut kicks,
-                part: &mut part,
-                from,
-                steps,
-            })?;
+            let (course, bodies, kicks) = (self.course(), &mut bodies[..], &mut kicks[..]);
+            let pulling = room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<RigidRow, W>);
+            if const { Y::FLOWS > 0 }
+                && let Some(stirring) = &self.stirring
+            {
+                let answer = &mut |question: Question<'_, W>, changes: &mut [Three<W>]| {
+                    answer(|lane| self.system(lane), &stirring.rhythm, question, changes);
+                };
+                let (work, kick) = (&mut work[..], self.method.stirred_kick);
+                Width::stir(StirredSteps {
+                    course,
+                    stirring,
+                    kick,
+                    pulling,
+                    answer,
+                    bodies,
+                    kicks,
+                    work,
+                    from,
+                    steps,
+                })?;
+            } else {
+                Width::turn(Steps { course, pulling, bodies, kicks, part: &mut part, from, steps })?;
+            }
             if let Some(written) = written {
-                let ways = self.ways(&bodies, part);
-                let now = (0..W).flat_map(|lane| self.bodies_of(&bodies, &ways, part, lane));
+                let ways = self.ways(bodies, part);
+                let now = (0..W).flat_map(|lane| self.bodies_of(bodies, &ways, part, lane));
                 let now = now.collect::<Vec<_>>();
                 written.fill(W * n, |i| now[i].q, |i| now[i].p);
             }
         }
-        Ok(Box::new(Self { bodies, part, ..self.clone() }))
+        Ok(Box::new(Self { bodies, work, part, ..self.clone() }))
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
@@ -190,6 +216,9 @@ where
     fn copy(&mut self, from: usize, to: usize) {
         let rows = self.bodies.iter_mut().flat_map(Rotor::rows);
         rows.for_each(|row| row.0[to] = row.0[from]);
+        if const { Y::FLOWS > 0 } {
+            self.work[to] = self.work[from];
+        }
     }
 
     fn obey(&mut self, from: usize, to: usize) {
@@ -199,12 +228,31 @@ where
         if let Some(pulls) = &mut self.pulls {
             pulls.copy(from, to);
         }
+        if let Some(stirring) = &mut self.stirring {
+            stirring.copy(from, to);
+        }
     }
 
     fn obey_as_in(&mut self, engine: &dyn Engine<D>) {
-        if let Some(Self { system, inertia, pulls, .. }) = (engine as &dyn Any).downcast_ref() {
-            (self.system, self.inertia) = (*system, *inertia);
+        if let Some(Self { system, inertia, pulls, stirring, .. }) = (engine as &dyn Any).downcast_ref() {
+            (self.system, self.inertia, self.stirring) = (*system, *inertia, stirring.clone());
             self.pulls = pulls.as_ref().map(|pulls| pulls.boxed());
+        }
+    }
+
+    fn draw_as(&mut self, lane: usize, draws: Draws) {
+        if let Some(stirring) = &mut self.stirring {
+            stirring.rhythm.draw_as(lane, draws);
+        }
+    }
+
+    fn work(&self, lane: usize) -> Option<f64> {
+        self.work.get(lane).copied()
+    }
+
+    fn book(&mut self, lane: usize, work: f64) {
+        if const { Y::FLOWS > 0 } {
+            self.work[lane] = work;
         }
     }
 
@@ -216,12 +264,21 @@ where
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        _: u64,
+        from: u64,
         steps: u64,
         parts: u32,
-        _: &mut u64,
+        place: &mut u64,
     ) -> Result<Moved<D>, Failure> {
-        by_itself::<f64, _, D>(self.system(lane), &self.method.stages, None, steps, parts, bodies)
+        let (system, stages) = (self.system(lane), &self.method.stages);
+        if const { Y::FLOWS > 0 }
+            && let Some(stirring) = &self.stirring
+        {
+            let rhythm = &stirring.rhythm;
+            let at = |steps| (rhythm.noise(lane, from + steps), rhythm.now(lane, from + steps));
+            let stirred = StirredAlone { after: rhythm.after, at: &at, place, work: self.work[lane] };
+            return by_itself::<f64, _, D>(system, stages, Some(stirred), steps, parts, bodies);
+        }
+        by_itself::<f64, _, D>(system, stages, None, steps, parts, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {
@@ -243,6 +300,9 @@ where
         let rows: Vec<_> = bodies.iter_mut().flat_map(Rotor::rows).map(|row| row.0.map(|x| x.0)).collect();
         to.numbers("numbers", &[rows.len(), W], rows.into_iter().flatten());
         to.counts("part", [self.part as u64]);
+        if const { Y::FLOWS > 0 } {
+            to.list("work", &self.work);
+        }
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
@@ -255,6 +315,9 @@ where
         }
         let [part] = from.counted("part")?;
         again.part = part as usize % self.method.parts.len();
+        if const { Y::FLOWS > 0 } {
+            again.work = from.numbers("work", &[W])?.to_vec();
+        }
         Ok(Box::new(again))
     }
 

@@ -15,9 +15,8 @@ use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::{Pulled, Pulling, Rows};
-use crate::run::ensemble::linked_going::Width;
 use crate::solve::crowd::EVERY;
-use crate::systems::network::in_lanes::{FEW, Number, Numbers, ROW, at, put, zeros};
+use crate::systems::network::in_lanes::{Number, Numbers, at, put, zeros};
 use crate::systems::rigid::rotation::{
     Inverse, LEFT, Moments, deviation, product, share, too_fast, turn, turning,
 };
@@ -202,53 +201,70 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
     #[inline(always)]
     fn run(self) -> Result<(), Stuck> {
         let Self { course, mut pulling, bodies, kicks, part: number, from, steps } = self;
-        let Course { parts, guesses, equal, sums, set, .. } = course;
-        let inertia = *course.inertia; // out of reach of what the loops write
-        let mut scratch = Scratch { rest: [zeros(); 3], x: [zeros(); 3], state: [RESTS; W] };
+        let mut row = Row::new(course);
         for now in from + 1..=from + steps {
-            for _ in 0..if equal { 1 } else { parts.len() } {
-                let part = &parts[*number];
-                for (body, rotor) in bodies.iter_mut().enumerate() {
-                    rotate(&inertia, part, body, rotor, &mut scratch)?;
-                    advance(&inertia, part, equal, sums, rotor, &guesses[*number], &scratch);
-                }
-                *number = if *number + 1 == parts.len() { 0 } else { *number + 1 };
-                if now % EVERY == 0 && *number == 0 {
-                    bodies.iter_mut().for_each(|rotor| straighten(sums, &mut rotor.q, &mut rotor.q_low));
-                }
-                if part.kick != 0.0
-                    && let Some(pulling) = &mut pulling
-                {
-                    pulling.pull(set, part.unit * part.kick, (bodies, kicks));
-                    for (rotor, kick) in bodies.iter_mut().zip(&*kicks) {
-                        push(sums, kick, &mut rotor.way, &mut rotor.way_low);
-                    }
-                } else if sums {
-                    bodies.iter_mut().for_each(|rotor| settle(&mut rotor.way, &mut rotor.way_low));
-                }
+            for _ in 0..if course.equal { 1 } else { course.parts.len() } {
+                row.advance(*number, now, bodies, kicks, &mut pulling)?;
+                *number = if *number + 1 == course.parts.len() { 0 } else { *number + 1 };
             }
         }
-        let ways = |lane: usize| bodies.iter().flat_map(move |rotor| at(&rotor.way, lane));
-        let finite = |lane: usize| ways(lane).map(|x| 0.0 * x.0).sum::<f64>() == 0.0;
-        (0..W).find(|&lane| !finite(lane)).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+        finite(bodies)
     }
 }
 
-/// Rows of so many lanes, whose work is compiled here and not wherever an ensemble is made.
-pub(super) trait Turns<const W: usize> {
-    /// Takes steps.
-    fn turn(steps: Steps<'_, '_, W>) -> Result<(), Stuck>;
+/// An error for the first lane in which a momentum is no number.
+#[inline(always)]
+pub(super) fn finite<const W: usize>(bodies: &[Rotor<W>]) -> Result<(), Stuck> {
+    let ways = |lane: usize| bodies.iter().flat_map(move |rotor| at(&rotor.way, lane));
+    let finite = |lane: usize| ways(lane).map(|x| 0.0 * x.0).sum::<f64>() == 0.0;
+    (0..W).find(|&lane| !finite(lane)).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
 }
 
-impl Turns<ROW> for Width {
-    fn turn(steps: Steps<'_, '_, ROW>) -> Result<(), Stuck> {
-        steps.course.set.run(steps)
+/// What a row obeys, and working memory.
+pub(super) struct Row<'a, const W: usize> {
+    course: Course<'a, W>,
+    /// Those of the course, out of reach of what the loops write.
+    inertia: Inertia<W>,
+    scratch: Scratch<W>,
+}
+
+impl<'a, const W: usize> Row<'a, W> {
+    #[inline(always)]
+    pub(super) fn new(course: Course<'a, W>) -> Self {
+        let scratch = Scratch { rest: [zeros(); 3], x: [zeros(); 3], state: [RESTS; W] };
+        Self { course, inertia: *course.inertia, scratch }
     }
-}
 
-impl Turns<FEW> for Width {
-    fn turn(steps: Steps<'_, '_, FEW>) -> Result<(), Stuck> {
-        steps.course.set.run(steps)
+    /// Moves bodies by this part of step number `now`, counted from 1.
+    #[inline(always)]
+    pub(super) fn advance<'b>(
+        &mut self,
+        number: usize,
+        now: u64,
+        bodies: &mut [Rotor<W>],
+        kicks: &mut [Three<W>],
+        pulling: &mut Option<&mut (dyn Pulling<RigidRow, W> + 'b)>,
+    ) -> Result<(), Stuck> {
+        let Self { course: Course { parts, guesses, equal, sums, set, .. }, inertia, scratch } = self;
+        let part = &parts[number];
+        for (body, rotor) in bodies.iter_mut().enumerate() {
+            rotate(inertia, part, body, rotor, scratch)?;
+            advance(inertia, part, *equal, *sums, rotor, &guesses[number], scratch);
+        }
+        if now.is_multiple_of(EVERY) && number + 1 == parts.len() {
+            bodies.iter_mut().for_each(|rotor| straighten(*sums, &mut rotor.q, &mut rotor.q_low));
+        }
+        if part.kick != 0.0
+            && let Some(pulling) = pulling
+        {
+            pulling.pull(*set, part.unit * part.kick, (bodies, kicks));
+            for (rotor, kick) in bodies.iter_mut().zip(&*kicks) {
+                push(*sums, kick, &mut rotor.way, &mut rotor.way_low);
+            }
+        } else if *sums {
+            bodies.iter_mut().for_each(|rotor| settle(&mut rotor.way, &mut rotor.way_low));
+        }
+        Ok(())
     }
 }
 

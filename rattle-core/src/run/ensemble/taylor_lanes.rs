@@ -10,7 +10,7 @@ use crate::motion::failure::Failure;
 use crate::motion::method::Method;
 use crate::number::lanes::{Lane, Lanes};
 use crate::number::real::Real;
-use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
+use crate::number::vector::{dot, largest, scaled};
 use crate::number::vectors::{Vectors, at};
 use crate::run::ensemble::laws::{Each, Laws, Same};
 use crate::run::ensemble::projected::Projects;
@@ -136,7 +136,10 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
     fn room(&self) -> Expansion<S, L, D> {
         let orders = self.method.coefficients();
         let zero = Lanes([S::default(); L]);
-        Expansion { products: room(self.functions, 1, orders), series: vec![[zero; D]; orders] }
+        Expansion {
+            products: room(self.functions, 1, orders, self.method.step_size()),
+            series: vec![[zero; D]; orders],
+        }
     }
 
     fn evaluations(&self) -> u32 {
@@ -161,13 +164,14 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
     ) {
         let normal = now.normal.map(Lanes);
         let inverse_square = Lanes::from_f64(1.0) / dot(&normal, &normal);
-        (series[0], series[1]) = (now.q.map(Lanes), now.p.map(Lanes));
+        let unit = products.unit;
+        (series[0], series[1]) = (now.q.map(Lanes), scaled(Lanes::from_f64(unit), &now.p.map(Lanes)));
         let Self { method, laws, .. } = self;
         laws.expand(products, (normal, inverse_square), series);
         match method.tolerance() {
             None => (*inner, *next, *taken) = (*left, *left, [true; L]),
             Some(tolerance) => {
-                let longest = longest::<S, L, D>(method, tolerance, now, series);
+                let longest = longest::<S, L, D>(method, tolerance, unit, now, series);
                 let shortest = S::from_f64(SMALLEST_PART * method.step_size().abs());
                 for l in 0..L {
                     taken[l] = shortest.le(longest[l]);
@@ -176,15 +180,24 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
                 }
             }
         }
-        let step = Lanes(*inner);
+        let (mut step, over_unit) = (Lanes(*inner), S::from_f64(1.0 / unit));
+        for step in &mut step.0 {
+            *step = *step * over_unit;
+        }
+        // Loops: of many lanes in many dimensions `array::from_fn` is a call, compiled for no instruction set.
         let (mut x, mut y) = ([Lanes::from_f64(0.0); D], [Lanes::from_f64(0.0); D]);
         for (k, coefficient) in series.iter().enumerate().skip(1).rev() {
-            x = scaled(step, &sum(coefficient, &x));
-            if k > 1 {
-                y = scaled(step, &add_scaled(&y, Lanes::from_f64(k as f64), coefficient));
+            let number = Lanes::from_f64(k as f64);
+            for d in 0..D {
+                x[d] = step * (coefficient[d] + x[d]);
+                if k > 1 {
+                    y[d] = step * number.multiply_add(coefficient[d], y[d]);
+                }
             }
         }
-        (*way, *change) = (x.map(|x| x.0), y.map(|y| y.0));
+        for d in 0..D {
+            (way[d], change[d]) = (x[d].0, (Lanes::from_f64(1.0 / unit) * y[d]).0);
+        }
     }
 
     fn by_itself<A: ConstraintKernel<S, D, 1>, B: Forces<S, D>>(
@@ -207,13 +220,15 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
 fn longest<S: Lane, const L: usize, const D: usize>(
     method: &Taylor,
     tolerance: f64,
+    unit: f64,
     now: &Place<S, L, D>,
     series: &[[Lanes<S, L>; D]],
 ) -> [S; L] {
     let [zero, whole, far] = [0.0, method.step_size().abs(), f64::INFINITY].map(S::from_f64);
     let mut longest = [far; L];
     for order in [method.order() as usize - 1, method.order() as usize] {
-        let (inverse, scale) = (S::from_f64(1.0 / order as f64), S::from_f64((order + 1) as f64) * whole);
+        let (inverse, scale) =
+            (S::from_f64(1.0 / order as f64), S::from_f64((order + 1) as f64 / unit) * whole);
         let (terms, rates) = (&series[order], &series[order + 1]);
         for l in 0..L {
             let mut within = S::from_f64(tolerance);
@@ -221,7 +236,7 @@ fn longest<S: Lane, const L: usize, const D: usize>(
                 within = within.max(S::from_f64(ROUNDINGS * S::EPSILON) * largest(&at(&now.q, l)));
             }
             let [q, v] = [terms, rates].map(|x| largest(&std::array::from_fn::<S, D, _>(|d| x[d].0[l])));
-            let fits = (within / q.max(scale * v)).powf(inverse);
+            let fits = S::from_f64(unit) * (within / q.max(scale * v)).powf(inverse);
             let finite = (q + v).lt(far);
             longest[l] = S::select(finite, S::select(fits.lt(longest[l]), fits, longest[l]), zero);
         }

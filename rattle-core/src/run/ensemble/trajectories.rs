@@ -213,7 +213,7 @@ impl<const D: usize> Ensemble<D> {
             let fits = !matches!(C::KIND, Kind::Other) || starts.iter().all(|start| start.len() == 1);
             let mut why = lanes.as_ref().err().copied();
             for scene in &scenes {
-                why = why.or_else(|| act_in_lanes::<S, C, _, D>(&scene.effects.forces()));
+                why = why.or_else(|| act_in_lanes::<S, _, D>(&scene.effects.forces()));
             }
             if fits
                 && why.is_none()

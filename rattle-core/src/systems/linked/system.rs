@@ -268,7 +268,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Collocation<N, Kept<F, D>, f64
 }
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Series<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
-    fn reserve_series(&self, bodies: &mut BodiesOf<F, N, D>, orders: usize) {
+    fn reserve_series(&self, bodies: &mut BodiesOf<F, N, D>, orders: usize, _: f64) {
         bodies.kept.series = Some(self.room_for_series(orders));
     }
 

@@ -253,7 +253,7 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
 }
 
 impl<F: Forces<f64, 9>, N: Count> Series<N, Kept<F>, f64, 9> for Turning<F, N> {
-    fn reserve_series(&self, bodies: &mut BodiesOf<F, N>, orders: usize) {
+    fn reserve_series(&self, bodies: &mut BodiesOf<F, N>, orders: usize, _: f64) {
         bodies.kept.series = Some(self.room_for_series(orders));
     }
 

@@ -76,4 +76,6 @@ impl<T: Scalar, F: Forces<T, D>, const D: usize> Stages<T, F, D> {
 pub(crate) struct SeriesRoom<T, const D: usize> {
     pub(super) products: Products<T>,
     pub(super) force: Vec<[T; D]>,
+    /// The unit of time.
+    pub(crate) unit: f64,
 }

@@ -14,21 +14,24 @@ use crate::kernel::series::{Order, Products, blocks};
 use crate::motion::bodies::Count;
 use crate::motion::witness::Witness;
 use crate::number::real::{Real, Scalar};
-use crate::number::vector::{dot, scaled, sum};
+use crate::number::vector::{dot, scaled};
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::room::SeriesRoom;
-use std::array::from_fn;
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// Room for so many coefficients of functions that all have series.
-    pub(super) fn room_for_series<T: Scalar, const D: usize>(&self, orders: usize) -> Box<SeriesRoom<T, D>>
+    pub(super) fn room_for_series<T: Scalar, const D: usize>(
+        &self,
+        orders: usize,
+        h: f64,
+    ) -> Box<SeriesRoom<T, D>>
     where
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
     {
         let n = self.count.number();
         let of_forces = self.effects.series_blocks(n).unwrap_or(0);
-        Box::new(room(n * self.constraint.series().unwrap_or(0) + of_forces, n, orders))
+        Box::new(room(n * self.constraint.series().unwrap_or(0) + of_forces, n, orders, h))
     }
 
     /// Writes q₀, q₁, … of all bodies in turn, as many as `series` has room for.
@@ -47,9 +50,11 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         if n == 0 {
             return;
         }
-        let room = bodies.kept.series.get_or_insert_with(|| self.room_for_series(series.len() / n));
+        let room = bodies.kept.series.get_or_insert_with(|| self.room_for_series(series.len() / n, 1.0));
         series[..n].copy_from_slice(bodies.q.as_ref());
-        series[n..2 * n].copy_from_slice(bodies.p.as_ref());
+        for (v, p) in series[n..2 * n].iter_mut().zip(bodies.p.as_ref()) {
+            *v = scaled(T::from_f64(room.unit), p);
+        }
         let normals = bodies.kept.normal.as_ref();
         let start = |body: usize| (normals[body].gradient, normals[body].inverse_square);
         let tell = |body, lambda| witness.position_multiplier(body, lambda);
@@ -57,6 +62,10 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         expand::<false, _, _, D>(&self.constraint, &effects, room, n, start, series, tell);
     }
 }
+
+/// The binary logarithm of the longest unit of time, and less that of the shortest: their squares are numbers also in
+/// single precision.
+const LONGEST_UNIT: f64 = 50.0;
 
 /// What adds the next coefficient of the forces on bodies, from that of their positions.
 pub(crate) trait Contributes<T: Real, const D: usize> {
@@ -100,7 +109,8 @@ pub(crate) fn expand<const WITHIN: bool, T, K, const D: usize>(
     K: ConstraintKernel<T, D, 1>,
 {
     let number = |x: f64| T::from_f64(x);
-    let SeriesRoom { products, force } = room;
+    let SeriesRoom { products, force, unit } = room;
+    let (square, over_square) = (number(*unit * *unit), number(1.0 / (*unit * *unit)));
     let order = &mut products.first();
     for body in 0..n {
         let [normal] = constraint.jacobian_series(&series[body], order);
@@ -120,22 +130,29 @@ pub(crate) fn expand<const WITHIN: bool, T, K, const D: usize>(
         for body in 0..n {
             let [normal] = constraint.jacobian_series(&series[k * n + body], order);
             let mut own = order.take(blocks(2 * D));
-            let pull = sum(&force[body], &from_fn(|i| own.sum(i)));
+            // Loops: of many lanes in many dimensions `array::from_fn` is a call, compiled for no instruction set.
+            let mut pull = force[body];
+            for (i, pull) in pull.iter_mut().enumerate() {
+                *pull = square.multiply_add(*pull, own.sum(i));
+            }
             let turn = (1..D).fold(own.sum(D), |turn, i| turn + own.sum(D + i));
             let (first, inverse_square) = start(body);
             // All that can be done before nₖ is known.
             let scale = -(number(k as f64) * inverse_square);
             let known = scale * turn - dot(&first, &pull) * inverse_square;
-            let (away, step, pulled) =
-                (scaled(scale, &series[n + body]), scaled(next_share, &first), scaled(next_share, &pull));
-            let lambda = dot(&normal, &away) + known;
-            series[(k + 1) * n + body] = from_fn(|i| lambda.multiply_add(step[i], pulled[i]));
+            let (mut away, mut step, mut pulled) = (series[n + body], first, pull);
             for i in 0..D {
+                (away[i], step[i]) = (scale * away[i], next_share * step[i]);
+                pulled[i] = next_share * pulled[i];
+            }
+            let lambda = dot(&normal, &away) + known;
+            for i in 0..D {
+                series[(k + 1) * n + body][i] = lambda.multiply_add(step[i], pulled[i]);
                 own.note(i, lambda, normal[i]);
                 own.note(D + i, normal[i], share * lambda.multiply_add(first[i], pull[i]));
             }
             if k == 1 {
-                tell(body, lambda);
+                tell(body, over_square * lambda);
             }
         }
         if k + 1 < last {
@@ -145,8 +162,14 @@ pub(crate) fn expand<const WITHIN: bool, T, K, const D: usize>(
     }
 }
 
-/// Room for so many coefficients, with so many blocks of products for functions of `n` bodies.
-pub(crate) fn room<T: Real, const D: usize>(functions: usize, n: usize, orders: usize) -> SeriesRoom<T, D> {
+/// Room for so many coefficients in steps of about `h`, with so many blocks of products for functions of `n` bodies.
+pub(crate) fn room<T: Real, const D: usize>(
+    functions: usize,
+    n: usize,
+    orders: usize,
+    h: f64,
+) -> SeriesRoom<T, D> {
     let products = Products::new(functions + n * blocks(2 * D), orders);
-    SeriesRoom { products, force: vec![[T::from_f64(0.0); D]; n] }
+    let unit = h.abs().log2().round().clamp(-LONGEST_UNIT, LONGEST_UNIT).exp2();
+    SeriesRoom { products, force: vec![[T::from_f64(0.0); D]; n], unit }
 }

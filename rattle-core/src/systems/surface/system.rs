@@ -386,8 +386,12 @@ where
     N: Count,
     L: ConstraintKernel<Fused<f64>, D, 1>,
 {
-    fn reserve_series(&self, bodies: &mut BodiesOf<N, T, F, D>, orders: usize) {
-        bodies.kept.series = Some(self.room_for_series(orders));
+    fn reserve_series(&self, bodies: &mut BodiesOf<N, T, F, D>, orders: usize, h: f64) {
+        bodies.kept.series = Some(self.room_for_series(orders, h));
+    }
+
+    fn unit(&self, bodies: &BodiesOf<N, T, F, D>) -> f64 {
+        bodies.kept.series.as_ref().map_or(1.0, |room| room.unit)
     }
 
     fn expand<W: Witness<T>>(

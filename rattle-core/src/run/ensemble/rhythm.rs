@@ -1,0 +1,137 @@
+//! When flows act on a row of trajectories, and what its lanes draw.
+
+use crate::effect::interval::Half;
+use crate::effect::noise::Noise;
+use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
+use crate::number::clock::after_steps;
+use crate::number::lanes::{Fused, Lanes};
+use crate::run::ensemble::engine::Draws;
+use crate::run::ensemble::splitting_lanes::Splits;
+use crate::run::ensemble::stirring::normal;
+use crate::systems::network::in_lanes::{Number, Numbers};
+use std::array::from_fn;
+
+/// When flows act: before a step or after it, after so many.
+#[derive(Clone, Copy)]
+pub(super) struct When {
+    pub(super) half: Half,
+    pub(super) steps: u64,
+}
+
+/// When flows act in a step, and the random numbers of the lanes.
+#[derive(Clone)]
+pub(super) struct Rhythm<const W: usize> {
+    /// After how many parts of a step flows act; 0 where half of them act before the step and half after it.
+    pub(super) after: usize,
+    /// Whether they act once in a step, not in two halves.
+    pub(super) at_once: bool,
+    /// The step, and the time for which flows act each time.
+    h: f64,
+    pub(super) time: f64,
+    /// Whether a flow changes with time.
+    changes: bool,
+    draws: [Draws; W],
+}
+
+impl<const W: usize> Rhythm<W> {
+    /// Of this method; whether flows can act once in a step, and change with time.
+    pub(super) fn of(&Splits { h, stirs_after: after, .. }: &Splits, once: bool, changes: bool) -> Self {
+        let at_once = after > 0 && once;
+        let time = if at_once { h } else { 0.5 * h };
+        Self { after, at_once, h, time, changes, draws: [Draws::default(); W] }
+    }
+
+    /// Has lane `to` draw what lane `from` does.
+    pub(super) fn copy(&mut self, from: usize, to: usize) {
+        self.draws[to] = self.draws[from];
+    }
+
+    /// Says where a lane starts.
+    pub(super) fn draw_as(&mut self, lane: usize, draws: Draws) {
+        self.draws[lane] = draws;
+    }
+
+    /// Where the random numbers of a lane are after so many steps.
+    #[inline(always)]
+    pub(super) fn noise(&self, lane: usize, steps: u64) -> Noise {
+        let Draws { trajectory, steps: before, .. } = self.draws[lane];
+        Noise { trajectory, step: before + steps, ..Noise::default() }
+    }
+
+    /// The time of a lane after so many steps, as flows are told it.
+    pub(super) fn now(&self, lane: usize, steps: u64) -> f64 {
+        let start = self.draws[lane].time;
+        if self.changes { after_steps(start, steps, self.h).0 } else { start.0 }
+    }
+
+    /// How much of the step has passed when flows act.
+    pub(super) fn passed(&self, half: Half) -> f64 {
+        match (self.changes, half) {
+            (false, _) => 0.0,
+            (true, _) if self.after > 0 => 0.5 * self.h,
+            (true, Half::Before) => 0.0,
+            (true, Half::After) => self.h,
+        }
+    }
+
+    /// Which of so many flows acts at each turn, and how many acted in the step before it.
+    #[inline(always)]
+    pub(super) fn turns(&self, flows: usize, half: Half) -> impl Iterator<Item = (usize, u64)> + use<W> {
+        let second = !self.at_once && (half == Half::After) == (self.after == 0);
+        (0..flows).map(move |i| {
+            let number = if half == Half::Before { i } else { flows - 1 - i };
+            (number, (if second { flows + i } else { i }) as u64)
+        })
+    }
+}
+
+/// An Ornstein–Uhlenbeck process.
+#[derive(Clone)]
+pub(super) struct Bath<const W: usize> {
+    pub(super) lost: Numbers<W>,
+    /// Whether there is noise; √variance, and the seeds.
+    pub(super) draws: bool,
+    pub(super) deviation: Numbers<W>,
+    seed: [u64; W],
+}
+
+impl<const W: usize> Bath<W> {
+    /// Those of W lanes.
+    pub(super) fn of(lanes: &[OrnsteinUhlenbeck]) -> Self {
+        Self {
+            lost: Lanes(from_fn(|l| Fused(lanes[l].lost))),
+            draws: lanes.iter().any(|of| of.variance != 0.0),
+            deviation: Lanes(from_fn(|l| Fused(lanes[l].variance.sqrt()))),
+            seed: from_fn(|l| lanes[l].seed),
+        }
+    }
+
+    pub(super) fn copy(&mut self, from: usize, to: usize) {
+        (self.lost.0[to], self.deviation.0[to]) = (self.lost.0[from], self.deviation.0[from]);
+        self.seed[to] = self.seed[from];
+    }
+
+    /// Four normal numbers of each lane, or the first two of them: draw number `draw` of flow number `number`, before
+    /// which `place` flows acted in this step, after so many.
+    #[inline(always)]
+    pub(super) fn draw(
+        &self,
+        rhythm: &Rhythm<W>,
+        (number, place, steps): (usize, u64, u64),
+        draw: u64,
+        pairs: usize,
+    ) -> [[Number; W]; 4] {
+        let (mut words, mut drawn) = ([[0; W]; 4], [[Fused(0.0); W]; 4]);
+        for l in 0..W {
+            let noise = Noise { effect: number as u64, place, ..rhythm.noise(l, steps) };
+            let own = noise.words(self.seed[l], draw);
+            for (words, own) in words.iter_mut().zip(own) {
+                words[l] = own;
+            }
+        }
+        for (two, words) in drawn.chunks_mut(2).zip(words.as_chunks().0).take(pairs) {
+            normal(words, two);
+        }
+        drawn
+    }
+}

@@ -1,0 +1,300 @@
+//! Flows of momenta on a row of trajectories of rigid bodies, and steps with them, compiled once here.
+//!
+//! ```text
+//! bath     m ← m + lost·m + noise of covariance J       in lanes
+//! other    m ← Φₕ(m)                                     asked of the flow, lane by lane
+//! ```
+//!
+//! No constraint acts on angular momenta, so that what a flow changes is all there is. Kicks of two steps are not
+//! merged where flows act between them.
+
+use crate::effect::interval::Rule;
+use crate::effect::interval::{Half, Interval};
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
+use crate::effect::noise::Noise;
+use crate::motion::system::System;
+use crate::number::instructions::Work;
+use crate::number::lanes::{Fused, Lanes};
+use crate::number::real::Real;
+use crate::run::ensemble::engine::Stuck;
+use crate::run::ensemble::forces_in_lanes::Pulling;
+use crate::run::ensemble::rhythm::{Bath, Rhythm, When};
+use crate::run::ensemble::rigid_row::{Course, RigidRow, Rotor, Row, Three, finite, push};
+use crate::run::ensemble::splitting_lanes::Splits;
+use crate::systems::network::in_lanes::{Numbers, at, zeros};
+use std::array::from_fn;
+
+/// What stirs the lanes of a row.
+#[derive(Clone)]
+pub(super) struct RotorStirring<const W: usize> {
+    flows: Vec<Stir<W>>,
+    pub(super) rhythm: Rhythm<W>,
+    /// √J and 1/J.
+    root: Three<W>,
+    over: Three<W>,
+}
+
+/// A flow.
+#[derive(Clone)]
+enum Stir<const W: usize> {
+    /// By the same share of all momenta, with noise.
+    Bath(Bath<W>),
+    /// By asking it.
+    Asked,
+}
+
+/// What is asked of a flow: what momenta change by.
+pub(super) struct Question<'a, const W: usize> {
+    pub(super) number: usize,
+    pub(super) half: Half,
+    /// Flows that acted earlier in this step, and steps taken.
+    pub(super) place: u64,
+    pub(super) steps: u64,
+    pub(super) bodies: &'a [Rotor<W>],
+}
+
+/// Who answers.
+pub(super) type Answer<'a, const W: usize> = dyn FnMut(Question<'_, W>, &mut [Three<W>]) + 'a;
+
+impl<const W: usize> RotorStirring<W> {
+    /// What stirs lanes of these systems by this method; none where nothing does.
+    pub(super) fn of<'a, Y: System<f64, D>, const D: usize>(
+        lane: impl Fn(usize) -> &'a Y,
+        method: &Splits,
+    ) -> Option<Self> {
+        if const { Y::FLOWS == 0 } {
+            return None;
+        }
+        let once = Y::FLOWS == 1 && lane(0).effects().manner(0).0.rule == Rule::Random;
+        let rhythm = Rhythm::of(method, once, (0..W).any(|l| lane(l).effects().changes_with_time()));
+        let flows = (0..Y::FLOWS).map(|flow| {
+            let processes: Option<Vec<_>> =
+                (0..W).map(|l| lane(l).effects().ornstein_uhlenbeck(flow, rhythm.time)).collect();
+            processes.map_or(Stir::Asked, |lanes| Stir::Bath(Bath::of(&lanes)))
+        });
+        let of_each = |of: &dyn Fn(&Y, usize) -> f64| from_fn(|k| Lanes(from_fn(|l| Fused(of(lane(l), k)))));
+        let unit = |k: usize| from_fn(|i| if i == k { 1.0 } else { 0.0 });
+        Some(Self {
+            flows: flows.collect(),
+            root: of_each(&|system, k| system.inertia().root(0, &unit(k))[k]),
+            over: of_each(&|system, k| system.inertia().velocity(0, &unit(k))[k]),
+            rhythm,
+        })
+    }
+
+    /// Has lane `to` be stirred as lane `from` is.
+    pub(super) fn copy(&mut self, from: usize, to: usize) {
+        self.rhythm.copy(from, to);
+        self.root.iter_mut().chain(&mut self.over).for_each(|row| row.0[to] = row.0[from]);
+        for flow in &mut self.flows {
+            if let Stir::Bath(bath) = flow {
+                bath.copy(from, to);
+            }
+        }
+    }
+
+    /// Twice the kinetic energy of each lane.
+    #[inline(always)]
+    fn energy(&self, bodies: &[Rotor<W>]) -> Numbers<W> {
+        let mut sum = zeros::<W>();
+        for rotor in bodies {
+            for k in 0..3 {
+                for l in 0..W {
+                    let (m, low) = (rotor.way[k].0[l], rotor.way_low[k].0[l]);
+                    let square = (Fused(2.0) * m).multiply_add(low, m * m);
+                    sum.0[l] = self.over[k].0[l].multiply_add(square, sum.0[l]);
+                }
+            }
+        }
+        sum
+    }
+
+    /// What a bath changes the momenta of a body by.
+    #[inline(always)]
+    fn bathe(
+        &self,
+        bath: &Bath<W>,
+        now: (usize, u64, u64),
+        body: usize,
+        rotor: &Rotor<W>,
+        change: &mut Three<W>,
+    ) {
+        for k in 0..3 {
+            for l in 0..W {
+                change[k].0[l] = bath.lost.0[l] * rotor.way[k].0[l];
+            }
+        }
+        if bath.draws {
+            // As a simulation draws nine numbers for each body, four at a time, of which three are used.
+            let drawn = bath.draw(&self.rhythm, now, 3 * body as u64, 2);
+            for k in 0..3 {
+                for l in 0..W {
+                    let size = bath.deviation.0[l] * self.root[k].0[l];
+                    change[k].0[l] = size.multiply_add(drawn[k][l], change[k].0[l]);
+                }
+            }
+        }
+    }
+}
+
+/// Writes what a flow changes the momenta of each lane by that is asked.
+pub(super) fn answer<'a, Y: System<f64, D>, const D: usize, const W: usize>(
+    lane: impl Fn(usize) -> &'a Y,
+    rhythm: &Rhythm<W>,
+    Question { number, half, place, steps, bodies }: Question<'_, W>,
+    changes: &mut [Three<W>],
+) {
+    for l in 0..W {
+        let system = lane(l);
+        let inertia = system.inertia();
+        let noise = Noise { effect: number as u64, place, ..rhythm.noise(l, steps) };
+        let spread = |x: [Fused<f64>; 3]| from_fn(|k| x.get(k).map_or(0.0, |x| x.0));
+        let positions: Vec<[f64; D]> = bodies.iter().map(|rotor| from_fn(|k| rotor.q[k].0[l].0)).collect();
+        let momenta: Vec<[f64; D]> = bodies.iter().map(|rotor| spread(at(&rotor.way, l))).collect();
+        let velocities: Vec<_> =
+            momenta.iter().enumerate().map(|(body, p)| inertia.velocity(body, p)).collect();
+        let during = Interval {
+            h: rhythm.time,
+            before: half == Half::Before,
+            at: Moment { time: rhythm.now(l, steps) + rhythm.passed(half), positions: &positions },
+            momenta: &momenta,
+            velocities: &velocities,
+            rates: &[],
+            holding: &[],
+            coming: &[],
+            imposed: 0.0,
+            inertia,
+            surface: None,
+            marks: &[],
+            tied: false,
+            freedom: 3 * bodies.len(),
+            noise,
+        };
+        let mut own = vec![[0.0; D]; bodies.len()];
+        let effects = system.effects();
+        effects.flow(number, &during, &mut effects.room(own.len()), &mut own);
+        for (to, change) in changes.iter_mut().zip(&own) {
+            for (to, change) in to.iter_mut().zip(change) {
+                to.0[l] = Fused(*change);
+            }
+        }
+    }
+}
+
+/// Some steps of a row with flows, after so many.
+pub(super) struct StirredSteps<'a, 'b, const W: usize> {
+    pub(super) course: Course<'a, W>,
+    pub(super) stirring: &'a RotorStirring<W>,
+    /// The kick that follows the half of flows before a step.
+    pub(super) kick: f64,
+    pub(super) pulling: Option<&'a mut (dyn Pulling<RigidRow, W> + 'b)>,
+    pub(super) answer: &'a mut Answer<'b, W>,
+    pub(super) bodies: &'a mut [Rotor<W>],
+    /// Room for torques, and for what flows change.
+    pub(super) kicks: &'a mut [Three<W>],
+    /// The work of flows on each lane.
+    pub(super) work: &'a mut [f64],
+    pub(super) from: u64,
+    pub(super) steps: u64,
+}
+
+impl<const W: usize> Work for StirredSteps<'_, '_, W> {
+    type Done = Result<(), Stuck>;
+
+    #[inline(always)]
+    fn run(mut self) -> Result<(), Stuck> {
+        let (course, from, end) = (self.course, self.from, self.from + self.steps);
+        let &Rhythm { after, at_once, .. } = &self.stirring.rhythm;
+        let mut row = Row::new(course);
+        for steps in from..end {
+            if after == 0 {
+                self.act(Half::Before, steps);
+                self.kick_all(self.kick);
+            }
+            for i in 0..course.parts.len() {
+                row.advance(i, steps + 1, self.bodies, self.kicks, &mut self.pulling)?;
+                if i + 1 == after {
+                    if !at_once {
+                        self.act(Half::After, steps);
+                    }
+                    self.act(Half::Before, steps);
+                }
+            }
+            if after == 0 {
+                self.act(Half::After, steps);
+            }
+        }
+        finite(self.bodies)
+    }
+}
+
+impl<const W: usize> StirredSteps<'_, '_, W> {
+    /// Kicks all lanes for so long.
+    #[inline(always)]
+    fn kick_all(&mut self, kick: f64) {
+        let Self { course, pulling: Some(pulling), bodies, kicks, .. } = self else { return };
+        if kick != 0.0 {
+            pulling.pull(course.set, kick, (bodies, kicks));
+            add(course.sums, kicks, bodies);
+        }
+    }
+
+    /// Has all flows act in all lanes.
+    #[inline(always)]
+    fn act(&mut self, half: Half, steps: u64) {
+        self.course.set.run(Acting {
+            stirring: self.stirring,
+            sums: self.course.sums,
+            when: When { half, steps },
+            bodies: self.bodies,
+            changes: self.kicks,
+            work: self.work,
+            answer: self.answer,
+        });
+    }
+}
+
+/// Adds these to the ways of all bodies.
+#[inline(always)]
+fn add<const W: usize>(sums: bool, changes: &[Three<W>], bodies: &mut [Rotor<W>]) {
+    for (rotor, change) in bodies.iter_mut().zip(changes) {
+        push(sums, change, &mut rotor.way, &mut rotor.way_low);
+    }
+}
+
+/// Has all flows act. Work by itself: it is long, and a step asks for it more than once.
+struct Acting<'a, 'c, const W: usize> {
+    stirring: &'a RotorStirring<W>,
+    sums: bool,
+    when: When,
+    bodies: &'a mut [Rotor<W>],
+    changes: &'a mut [Three<W>],
+    work: &'a mut [f64],
+    answer: &'a mut Answer<'c, W>,
+}
+
+impl<const W: usize> Work for Acting<'_, '_, W> {
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { stirring, sums, when: When { half, steps }, bodies, changes, work, answer } = self;
+        let before = stirring.energy(bodies);
+        for (number, place) in stirring.rhythm.turns(stirring.flows.len(), half) {
+            match &stirring.flows[number] {
+                Stir::Bath(bath) => {
+                    for (body, (rotor, change)) in bodies.iter().zip(&mut *changes).enumerate() {
+                        stirring.bathe(bath, (number, place, steps), body, rotor, change);
+                    }
+                }
+                Stir::Asked => answer(Question { number, half, place, steps, bodies }, changes),
+            }
+            add(sums, changes, bodies);
+        }
+        let after = stirring.energy(bodies);
+        for (l, work) in work.iter_mut().enumerate() {
+            *work += 0.5 * (after.0[l] - before.0[l]).0;
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! How far a start of linked bodies may be off: taken at 0.99 of tolerances that are written out by hand, refused at
+//! 1.01.
+
+use rattle::error::StartFailure;
+use rattle::links::Rod;
+use rattle::prelude::*;
+use rattle::{Error, START_TOLERANCE};
+
+constraint! {
+    /// A rod whose length grows, and whose equation has any scale.
+    struct Growing { length, rate, scale }
+    |a: [f64; 3], b: [f64; 3], t| scale * (dot(b - a, b - a) - (length + rate * t)^2)
+}
+
+/// The end of a start that is off by this part of what is tolerated.
+fn check(what: &str, refused: impl Fn(&StartFailure) -> bool, start: impl Fn(f64) -> Result<(), Error>) {
+    for part in [0.99, -0.99] {
+        assert!(start(part).is_ok(), "{what}, {part}: {:?}", start(part));
+    }
+    for part in [1.01, -1.01] {
+        let end = start(part);
+        let told = matches!(&end, Err(Error::Start { cause, .. }) if refused(cause));
+        assert!(told, "{what}, {part}: {end:?}");
+    }
+}
+
+/// |g|/|∇g| of a rod of length L that is d too long is d/√2 with two ends that can move, and d with one. It has no
+/// normal where its ends meet: L/√2 away, by how the normals of both ends turn.
+#[test]
+fn places() {
+    let off = |cause: &StartFailure| matches!(cause, StartFailure::OffConstraint { .. });
+    for (length, scale) in [(1.0, 1.0), (1.0, 1e-30), (0.01, 1e20)] {
+        let link = Growing { length, rate: 0.0, scale };
+        let both = |part: f64| {
+            let end = 3.0 * length + length * (1.0 + part * START_TOLERANCE);
+            let start = State::of([[0.0, 3.0 * length, 0.0], [0.0, end, 0.0]]);
+            Scene::points(2).link_moving(link, [[0, 1]]).simulate(start, Rattle::new(0.01)).map(drop)
+        };
+        check("two ends", off, both);
+        let one = |part: f64| {
+            let end = length * (1.0 + part * START_TOLERANCE / 2.0_f64.sqrt());
+            let start = State::of([[0.0; 3], [end, 0.0, 0.0]]);
+            let scene = Scene::points(2).link_moving(link, [[0, 1]]).pin(0, [0.0; 3]);
+            scene.simulate(start, Rattle::new(0.01)).map(drop)
+        };
+        check("one end", off, one);
+    }
+}
+
+/// The sine of the angle to the constraint; of links that move, the rate that is left by all that could cancel it.
+#[test]
+fn momenta() {
+    let not_along = |cause: &StartFailure| matches!(cause, StartFailure::NotAlong { .. });
+    for scale in [1.0, 1e-30, 1e20] {
+        let start = |rate: f64, momentum: [f64; 3]| {
+            let start = State::of([[0.0; 3], [2.0, 0.0, 0.0]]).with_momenta([[0.0; 3], momentum]);
+            let link = Growing { length: 2.0, rate, scale };
+            let scene = Scene::points(2).link_moving(link, [[0, 1]]).pin(0, [0.0; 3]);
+            scene.simulate(start, Rattle::new(0.01)).map(drop)
+        };
+        check("at rest", not_along, |part| start(0.0, [3.0 * part * START_TOLERANCE, 3.0, 0.0]));
+        check("growing", not_along, |part| {
+            start(5.0, [5.0 * (1.0 + 2.0 * part * START_TOLERANCE), 0.0, 0.0])
+        });
+    }
+}
+
+/// A pinned body may be off its pin by a part of the largest coordinate of all, be it of the pin or of another body.
+#[test]
+fn pins() {
+    let pinned = |cause: &StartFailure| matches!(cause, StartFailure::Pinned { .. });
+    for (pin, other) in [(5.0, 0.0), (5.0, 100.0)] {
+        let largest = f64::max(pin, other);
+        check("a pin", pinned, |part| {
+            let start = State::of([[pin + part * START_TOLERANCE * largest, 0.0, 0.0], [0.0, other, 0.0]]);
+            Scene::points(2).pin(0, [pin, 0.0, 0.0]).simulate(start, Rattle::new(0.01)).map(drop)
+        });
+    }
+    // A link between two pins holds, or not: as two ends that can move, by the largest coordinate.
+    let off = |cause: &StartFailure| !matches!(cause, StartFailure::Pinned { .. });
+    check("between pins", off, |part| {
+        let end = [0.0, 4.0 + 2.0_f64.sqrt() * 4.0 * part * START_TOLERANCE, 0.0];
+        let scene = Scene::points(3).link(Rod { length: 4.0 }, [[0, 1]]).pin(0, [0.0; 3]).pin(1, end);
+        scene.simulate(State::of([[0.0; 3], end, [1.0, 0.0, 0.0]]), Rattle::new(0.01)).map(drop)
+    });
+}
