@@ -71,7 +71,7 @@ pub trait Series<N: Count, X, T: Scalar, const D: usize> {
     fn reserve_series(&self, bodies: &mut Bodies<N, T, X, D>, orders: usize, h: f64);
 
     /// The unit in which coefficients measure time: near h, so that high ones do not overflow, and a power of two, so
-    /// that no bit depends on it; or 1.
+    /// that none of their bits depends on it; or 1.
     #[inline(always)]
     fn unit(&self, _bodies: &Bodies<N, T, X, D>) -> f64 {
         1.0

@@ -8,8 +8,7 @@
 //! No constraint acts on angular momenta, so that what a flow changes is all there is. Kicks of two steps are not
 //! merged where flows act between them.
 
-use crate::effect::interval::Rule;
-use crate::effect::interval::{Half, Interval};
+use crate::effect::interval::{Half, Interval, Rule};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
