@@ -8,17 +8,13 @@ use crate::motion::bodies::One;
 use crate::motion::failure::Failure;
 use crate::motion::method::Method;
 use crate::number::lanes::Lane;
-use crate::number::vector::largest;
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::laws::Laws;
-use crate::run::ensemble::projected::Projects;
+use crate::run::ensemble::projected::{Projects, least_tolerance};
 use crate::run::ensemble::projected_row::Place;
 use crate::run::ensemble::row::pull;
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use std::borrow::Borrow;
-
-/// In single precision no tolerance is smaller than so many roundings of places: each inner step leaves one.
-const ROUNDINGS: f64 = 4.0;
 
 /// Rates of places and momenta at the stages, and where a stage is.
 pub(crate) struct Stages<S, const L: usize, const D: usize> {
@@ -80,11 +76,8 @@ impl<S: Lane, const L: usize, const D: usize> Projects<S, L, D> for Dop853 {
                 length(ERROR_5, whole, v, f, &mut fifth);
                 length(ERROR_3, whole, v, f, &mut third);
                 let mut within = [S::from_f64(tolerance); L];
-                if const { S::EPSILON > f64::EPSILON } {
-                    for l in 0..L {
-                        within[l] =
-                            within[l].max(S::from_f64(ROUNDINGS * S::EPSILON) * largest(&at(&now.q, l)));
-                    }
+                for l in 0..L {
+                    within[l] = within[l].max(least_tolerance(&at(&now.q, l)));
                 }
                 fit(&within, &fifth, &third, inner, next, taken);
             }
@@ -106,11 +99,9 @@ impl<S: Lane, const L: usize, const D: usize> Projects<S, L, D> for Dop853 {
         bodies: &mut BodiesOf<One, S, F, D>,
     ) -> Result<(), Failure> {
         let mut part = self.with_step(self.step_size() / f64::from(parts));
-        if S::EPSILON > f64::EPSILON
-            && let Some(tolerance) = self.tolerance()
-        {
-            let least = ROUNDINGS * S::EPSILON * largest(&bodies.q[0]).to_f64();
-            part = Self::adaptive(part.step_size(), tolerance.max(least));
+        if let Some(tolerance) = self.tolerance() {
+            let tolerance = tolerance.max(least_tolerance(&bodies.q[0]).to_f64());
+            part = Self::adaptive(part.step_size(), tolerance);
         }
         (0..parts).try_for_each(|_| {
             part.step::<S, OnSurface<K, F, One, OneByOne>, _, D>((system, system), bodies, &mut [], &mut ())

@@ -1,11 +1,11 @@
 //! What trajectories of linked bodies obey, as a simulation does.
 
-use crate::effect::interval::{Half, Interval};
+use crate::effect::interval::Half;
 use crate::effect::list::{Effects, Forces};
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::motion::bodies::{Body, Many};
-use crate::motion::parts::Parts;
+use crate::motion::parts::{Given, Parts};
 use crate::motion::state::State;
 use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
@@ -66,26 +66,11 @@ pub(super) fn answer<'a, F: Forces<f64, D>, const D: usize, const W: usize>(
         let noise = Noise { effect: number as u64, place, ..stirring.rhythm.noise(lane, steps) };
         let [positions, velocities] = [q, v].map(|rows| vectors(rows, lane, |_, x| x.0));
         let momenta: Vec<[f64; D]> = vectors(v, lane, |c, x| masses[c][0] * x.0);
-        let during = Interval {
-            h: stirring.rhythm.time,
-            before: half == Half::Before,
-            at: Moment {
-                time: stirring.rhythm.now(lane, steps) + stirring.rhythm.passed(half),
-                positions: &positions,
-            },
-            momenta: &momenta,
-            velocities: &velocities,
-            rates: &[],
-            holding: &[],
-            coming: &[],
-            imposed: 0.0,
-            inertia: system.inertia(),
-            surface: None,
-            marks: &[],
-            tied: system.equations() > 0,
-            freedom,
-            noise,
-        };
+        let rhythm = &stirring.rhythm;
+        let time = rhythm.now(lane, steps) + rhythm.passed(half);
+        let given = Given { velocities: &velocities, ..Given::of(rhythm.time, half == Half::Before, noise) };
+        let seen = (Moment { time, positions: &positions }, &momenta[..], &[][..]);
+        let during = given.interval(seen, system.inertia(), None, (system.equations() > 0, freedom));
         let mut own = vec![[0.0; D]; positions.len()];
         system.effects.flow(number, &during, &mut system.effects.room(own.len()), &mut own);
         for ((to, change), [_, over]) in changes.iter_mut().zip(own.as_flattened()).zip(masses) {

@@ -77,7 +77,8 @@ impl<const W: usize> RowStirring<W> {
         }
         let rule = |number| lane(0).0.manner(number).0.rule;
         let once = F::FLOWS == 1 && rule(0) == Rule::Random;
-        let rhythm = Rhythm::of(method, once, (0..W).any(|l| lane(l).0.changes_with_time()));
+        let rhythm =
+            Rhythm::of(method.stirs_after, method.h, once, (0..W).any(|l| lane(l).0.changes_with_time()));
         let time = rhythm.time;
         let n = lane(0).2.len();
         let number = |f: &dyn Fn(usize) -> f64| Lanes(from_fn(|l| Fused(f(l))));
@@ -181,9 +182,10 @@ impl<const W: usize> RowStirring<W> {
         let of_body = d.div_ceil(4) as u64;
         for (first, body) in (0..self.masses.len()).step_by(d).zip(0_u64..) {
             for (four, draw) in (0..d).step_by(4).zip(body * of_body..) {
-                let pairs = if d - four > 2 { 2 } else { 1 };
-                let drawn = bath.draw(&self.rhythm, (number, place, steps), draw, pairs);
-                for (c, drawn) in (first + four..first + d).zip(&drawn) {
+                let mut drawn = [[Fused(0.0); W]; 4];
+                let drawn = &mut drawn[..(d - four).min(4)];
+                self.rhythm.draw(&bath.seed, (number, place, steps), draw, drawn);
+                for (c, drawn) in (first + four..first + d).zip(drawn) {
                     let (over, to) = (&self.masses[c][1], &mut changes[c]);
                     for l in 0..W {
                         let size = bath.deviation.0[l] * over.0[l].sqrt();

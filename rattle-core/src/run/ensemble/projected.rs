@@ -42,6 +42,19 @@ const MOST_PASSES: usize = 1024;
 /// Newton steps onto the constraint after which a lane goes by itself.
 const MOST_NEWTON_STEPS: usize = 12;
 
+/// In single precision no tolerance is smaller than so many roundings of places: each inner step leaves one.
+const LEAST_ROUNDINGS: f64 = 4.0;
+
+/// What a tolerance counts as at least, at this place; 0 in double precision.
+#[inline(always)]
+pub(super) fn least_tolerance<S: Lane, const D: usize>(q: &[S; D]) -> S {
+    if const { S::EPSILON > f64::EPSILON } {
+        S::from_f64(LEAST_ROUNDINGS * S::EPSILON) * largest(q)
+    } else {
+        S::default()
+    }
+}
+
 /// A method whose steps are projected, for L lanes: what its inner steps change, regardless of the constraint.
 pub(super) trait Projects<S: Lane, const L: usize, const D: usize>:
     Clone + Send + Sync + 'static

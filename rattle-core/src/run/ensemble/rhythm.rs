@@ -1,15 +1,16 @@
-//! When flows act on a row of trajectories, and what its lanes draw.
+//! When flows act on trajectories side by side, and what their lanes draw.
 
 use crate::effect::interval::Half;
 use crate::effect::noise::Noise;
 use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::number::clock::after_steps;
 use crate::number::lanes::{Fused, Lanes};
+use crate::number::philox::unit;
+use crate::number::real::Real;
 use crate::run::ensemble::engine::Draws;
-use crate::run::ensemble::splitting_lanes::Splits;
-use crate::run::ensemble::stirring::normal;
 use crate::systems::network::in_lanes::{Number, Numbers};
 use std::array::from_fn;
+use std::f64::consts::TAU;
 
 /// When flows act: before a step or after it, after so many.
 #[derive(Clone, Copy)]
@@ -34,8 +35,8 @@ pub(super) struct Rhythm<const W: usize> {
 }
 
 impl<const W: usize> Rhythm<W> {
-    /// Of this method; whether flows can act once in a step, and change with time.
-    pub(super) fn of(&Splits { h, stirs_after: after, .. }: &Splits, once: bool, changes: bool) -> Self {
+    /// Of steps of h, after so many parts of each; whether flows can act once in a step, and change with time.
+    pub(super) fn of(after: usize, h: f64, once: bool, changes: bool) -> Self {
         let at_once = after > 0 && once;
         let time = if at_once { h } else { 0.5 * h };
         Self { after, at_once, h, time, changes, draws: [Draws::default(); W] }
@@ -83,6 +84,28 @@ impl<const W: usize> Rhythm<W> {
             (number, (if second { flows + i } else { i }) as u64)
         })
     }
+
+    /// Draws up to four normal numbers of each lane, those of [`Noise::normal`]: draw number `draw` with these seeds by
+    /// flow number `number`, before which `place` flows acted in this step, after so many.
+    #[inline(always)]
+    pub(super) fn draw(
+        &self,
+        seed: &[u64; W],
+        (number, place, steps): (usize, u64, u64),
+        draw: u64,
+        numbers: &mut [[Number; W]],
+    ) {
+        let mut words = [[0; W]; 4];
+        for l in 0..W {
+            let noise = Noise { effect: number as u64, place, ..self.noise(l, steps) };
+            for (words, drawn) in words.iter_mut().zip(noise.words(seed[l], draw)) {
+                words[l] = drawn;
+            }
+        }
+        for (two, words) in numbers.chunks_mut(2).zip(words.as_chunks().0) {
+            normal(words, two);
+        }
+    }
 }
 
 /// An Ornstein–Uhlenbeck process.
@@ -92,7 +115,7 @@ pub(super) struct Bath<const W: usize> {
     /// Whether there is noise; √variance, and the seeds.
     pub(super) draws: bool,
     pub(super) deviation: Numbers<W>,
-    seed: [u64; W],
+    pub(super) seed: [u64; W],
 }
 
 impl<const W: usize> Bath<W> {
@@ -110,28 +133,18 @@ impl<const W: usize> Bath<W> {
         (self.lost.0[to], self.deviation.0[to]) = (self.lost.0[from], self.deviation.0[from]);
         self.seed[to] = self.seed[from];
     }
+}
 
-    /// Four normal numbers of each lane, or the first two of them: draw number `draw` of flow number `number`, before
-    /// which `place` flows acted in this step, after so many.
-    #[inline(always)]
-    pub(super) fn draw(
-        &self,
-        rhythm: &Rhythm<W>,
-        (number, place, steps): (usize, u64, u64),
-        draw: u64,
-        pairs: usize,
-    ) -> [[Number; W]; 4] {
-        let (mut words, mut drawn) = ([[0; W]; 4], [[Fused(0.0); W]; 4]);
-        for l in 0..W {
-            let noise = Noise { effect: number as u64, place, ..rhythm.noise(l, steps) };
-            let own = noise.words(self.seed[l], draw);
-            for (words, own) in words.iter_mut().zip(own) {
-                words[l] = own;
-            }
-        }
-        for (two, words) in drawn.chunks_mut(2).zip(words.as_chunks().0).take(pairs) {
-            normal(words, two);
-        }
-        drawn
+/// A normal number, or two, for each lane, of two words (G. Box, M. Muller).
+#[inline(always)]
+fn normal<const L: usize>([a, b]: &[[u64; L]; 2], numbers: &mut [[Fused<f64>; L]]) {
+    let (mut cosines, mut sines) = ([Fused(0.0); L], [Fused(0.0); L]);
+    for l in 0..L {
+        let radius = (Fused(-2.0) * Fused(unit(a[l])).ln()).sqrt();
+        let (sin, cos) = (Fused(TAU) * Fused(unit(b[l]))).sin_cos();
+        (cosines[l], sines[l]) = (radius * cos, radius * sin);
+    }
+    for (numbers, drawn) in numbers.iter_mut().zip([cosines, sines]) {
+        *numbers = drawn;
     }
 }

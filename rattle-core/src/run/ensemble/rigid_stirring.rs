@@ -8,10 +8,11 @@
 //! No constraint acts on angular momenta, so that what a flow changes is all there is. Kicks of two steps are not
 //! merged where flows act between them.
 
-use crate::effect::interval::{Half, Interval, Rule};
+use crate::effect::interval::{Half, Rule};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
+use crate::motion::parts::Given;
 use crate::motion::system::System;
 use crate::number::instructions::Work;
 use crate::number::lanes::{Fused, Lanes};
@@ -66,7 +67,12 @@ impl<const W: usize> RotorStirring<W> {
             return None;
         }
         let once = Y::FLOWS == 1 && lane(0).effects().manner(0).0.rule == Rule::Random;
-        let rhythm = Rhythm::of(method, once, (0..W).any(|l| lane(l).effects().changes_with_time()));
+        let rhythm = Rhythm::of(
+            method.stirs_after,
+            method.h,
+            once,
+            (0..W).any(|l| lane(l).effects().changes_with_time()),
+        );
         let flows = (0..Y::FLOWS).map(|flow| {
             let processes: Option<Vec<_>> =
                 (0..W).map(|l| lane(l).effects().ornstein_uhlenbeck(flow, rhythm.time)).collect();
@@ -126,7 +132,8 @@ impl<const W: usize> RotorStirring<W> {
         }
         if bath.draws {
             // As a simulation draws nine numbers for each body, four at a time, of which three are used.
-            let drawn = bath.draw(&self.rhythm, now, 3 * body as u64, 2);
+            let mut drawn = [[Fused(0.0); W]; 3];
+            self.rhythm.draw(&bath.seed, now, 3 * body as u64, &mut drawn);
             for k in 0..3 {
                 for l in 0..W {
                     let size = bath.deviation.0[l] * self.root[k].0[l];
@@ -153,23 +160,10 @@ pub(super) fn answer<'a, Y: System<f64, D>, const D: usize, const W: usize>(
         let momenta: Vec<[f64; D]> = bodies.iter().map(|rotor| spread(at(&rotor.way, l))).collect();
         let velocities: Vec<_> =
             momenta.iter().enumerate().map(|(body, p)| inertia.velocity(body, p)).collect();
-        let during = Interval {
-            h: rhythm.time,
-            before: half == Half::Before,
-            at: Moment { time: rhythm.now(l, steps) + rhythm.passed(half), positions: &positions },
-            momenta: &momenta,
-            velocities: &velocities,
-            rates: &[],
-            holding: &[],
-            coming: &[],
-            imposed: 0.0,
-            inertia,
-            surface: None,
-            marks: &[],
-            tied: false,
-            freedom: 3 * bodies.len(),
-            noise,
-        };
+        let time = rhythm.now(l, steps) + rhythm.passed(half);
+        let given = Given { velocities: &velocities, ..Given::of(rhythm.time, half == Half::Before, noise) };
+        let seen = (Moment { time, positions: &positions }, &momenta[..], &[][..]);
+        let during = given.interval(seen, inertia, None, (false, 3 * bodies.len()));
         let mut own = vec![[0.0; D]; bodies.len()];
         let effects = system.effects();
         effects.flow(number, &during, &mut effects.room(own.len()), &mut own);

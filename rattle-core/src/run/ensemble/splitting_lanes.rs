@@ -143,7 +143,7 @@ where
         if const { X::Forces::FLOWS > 0 }
             && let Some(stirring) = &mut self.stirring
         {
-            stirring.draw_as(lane, draws);
+            stirring.rhythm.draw_as(lane, draws);
         }
     }
 
@@ -177,8 +177,9 @@ where
         if const { X::Forces::FLOWS > 0 }
             && let Some(stirring) = &self.stirring
         {
-            let at = |steps| (stirring.noise(lane, from + steps), stirring.now(lane, from + steps));
-            let (after, work) = (stirring.after, self.account.work[lane]);
+            let rhythm = &stirring.rhythm;
+            let at = |steps| (rhythm.noise(lane, from + steps), rhythm.now(lane, from + steps));
+            let (after, work) = (rhythm.after, self.account.work[lane]);
             let stirred = StirredAlone { after, at: &at, place, work };
             return by_itself::<S, _, D>(&system, &self.stages, Some(stirred), steps, parts, bodies);
         }

@@ -11,6 +11,7 @@ use crate::run::ensemble::block::{Block, Part, Scratch};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
+use crate::run::ensemble::rhythm::Rhythm;
 use crate::run::ensemble::stirring::{Asking, Stirred, Stirring};
 use std::borrow::Borrow;
 
@@ -93,7 +94,7 @@ where
     S: Lane,
     X: Laws<S, D>,
 {
-    let Stirring { after, at_once, .. } = *stirs.stirring;
+    let Rhythm { after, at_once, .. } = stirs.stirring.rhythm;
     let around = after == 0;
     if around {
         act(block, laws, stirs, Half::Before, steps)?;

@@ -16,21 +16,18 @@ use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::kernel::functions::ConstraintKernel;
+use crate::motion::parts::Given;
 use crate::motion::record::{Hallmark, short_name};
-use crate::number::clock::after_steps;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::{Fused, Lane};
-use crate::number::philox::unit;
-use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::block::is_finite;
-use crate::run::ensemble::engine::Draws;
 use crate::run::ensemble::laws::Laws;
+use crate::run::ensemble::rhythm::Rhythm;
 use crate::systems::surface::normal::Normal;
 use std::array::from_fn;
 use std::borrow::Borrow;
-use std::f64::consts::TAU;
 
 /// Momenta are taken to be no more than so many times their standard deviation in equilibrium: a normal number is
 /// beyond that once in 5e8.
@@ -42,16 +39,7 @@ pub(super) const MOST_ROUNDS: usize = 16;
 /// What stirs each lane.
 pub(super) struct Stirring<S, const L: usize, const D: usize> {
     flows: Vec<Stir<S, L, D>>,
-    /// After how many parts of a step flows act; 0 where half of them act before the step and half after it.
-    pub(super) after: usize,
-    /// Whether they act once in a step, not in two halves.
-    pub(super) at_once: bool,
-    /// The step, and the time for which flows act each time.
-    h: f64,
-    time: f64,
-    /// Whether a flow changes with time.
-    changes: bool,
-    draws: [Draws; L],
+    pub(super) rhythm: Rhythm<L>,
 }
 
 /// A flow.
@@ -107,7 +95,7 @@ type Answer<'a, S, const L: usize, const D: usize> =
 impl<S: Clone, const L: usize, const D: usize> Clone for Stirring<S, L, D> {
     #[inline(never)] // compiled for those without flows, too
     fn clone(&self) -> Self {
-        Self { flows: self.flows.clone(), ..*self }
+        Self { flows: self.flows.clone(), rhythm: self.rhythm.clone() }
     }
 }
 
@@ -120,42 +108,24 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
         let (effects, numbers) = (laws.effects(0), 0..X::Forces::FLOWS);
         let effects = effects.borrow();
         let rule = |number| effects.manner(number).0.rule;
-        let at_once = after > 0 && X::Forces::FLOWS == 1 && rule(0) == Rule::Random;
-        let time = if at_once { h } else { 0.5 * h };
-        let stir = |number| match Linear::of(laws, number, time, rule(number)) {
+        let once = X::Forces::FLOWS == 1 && rule(0) == Rule::Random;
+        let changes = (0..L).any(|lane| laws.effects(lane).borrow().changes_with_time());
+        let rhythm = Rhythm::of(after, h, once, changes);
+        let stir = |number| match Linear::of(laws, number, rhythm.time, rule(number)) {
             Some(linear) => Stir::Linear(linear),
             None => Stir::Asked(rule(number)),
         };
-        let (changes, draws) =
-            ((0..L).any(|lane| laws.effects(lane).borrow().changes_with_time()), [Draws::default(); L]);
-        Some(Box::new(Self { flows: numbers.map(stir).collect(), after, at_once, h, time, changes, draws }))
+        Some(Box::new(Self { flows: numbers.map(stir).collect(), rhythm }))
     }
 
     /// Has lane `to` be stirred as lane `from` is.
     pub(super) fn copy(&mut self, from: usize, to: usize) {
-        self.draws[to] = self.draws[from];
+        self.rhythm.copy(from, to);
         for flow in &mut self.flows {
             if let Stir::Linear(linear) = flow {
                 linear.copy(from, to);
             }
         }
-    }
-
-    /// Says where a lane starts.
-    pub(super) fn draw_as(&mut self, lane: usize, draws: Draws) {
-        self.draws[lane] = draws;
-    }
-
-    /// Where the random numbers of a lane are after so many steps.
-    pub(super) fn noise(&self, lane: usize, steps: u64) -> Noise {
-        let Draws { trajectory, steps: before, .. } = self.draws[lane];
-        Noise { trajectory, step: before + steps, ..Noise::default() }
-    }
-
-    /// The time of a lane after so many steps, as flows are told it.
-    pub(super) fn now(&self, lane: usize, steps: u64) -> f64 {
-        let start = self.draws[lane].time;
-        if self.changes { after_steps(start, steps, self.h).0 } else { start.0 }
     }
 
     /// The largest momentum to expect of a lane.
@@ -176,7 +146,7 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
     /// What tells the flows of a lane from others, asked beside this place.
     pub(super) fn hallmarks<X: Laws<S, D>>(&self, laws: &X, lane: usize, q: [S; D]) -> Vec<Hallmark> {
         let effects = laws.effects(lane);
-        let (effects, time) = (effects.borrow(), self.time);
+        let (effects, time) = (effects.borrow(), self.rhythm.time);
         let mark = |number: usize| {
             let part = format!("flow {number}");
             if let Some(of) = effects.ornstein_uhlenbeck(number, time) {
@@ -379,16 +349,14 @@ impl<S: Lane, const L: usize, const D: usize> Work for Acting<'_, '_, S, L, D> {
     #[inline(always)]
     fn run(self) -> Self::Done {
         let Self { stirring, half, steps, mut stirred, answer } = self;
-        let n = stirring.flows.len();
-        let second = !stirring.at_once && (half == Half::After) == (stirring.after == 0);
-        for i in 0..n {
-            let number = if half == Half::Before { i } else { n - 1 - i };
-            let place = (if second { n + i } else { i }) as u64;
+        for (number, place) in stirring.rhythm.turns(stirring.flows.len(), half) {
             match &stirring.flows[number] {
                 Stir::Linear(linear) => {
                     if linear.draws {
                         let mut noise = [[Fused(0.0); L]; D];
-                        stirring.draw((number, place, steps), &linear.seed, &mut noise);
+                        for (draw, four) in (0..).zip(noise.chunks_mut(4)) {
+                            stirring.rhythm.draw(&linear.seed, (number, place, steps), draw, four);
+                        }
                         linear.act(Some(&noise), &mut stirred)?;
                     } else {
                         linear.act(None, &mut stirred)?;
@@ -398,45 +366,6 @@ impl<S: Lane, const L: usize, const D: usize> Work for Acting<'_, '_, S, L, D> {
             }
         }
         Ok(())
-    }
-}
-
-impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
-    /// Draws D normal numbers for each lane, those of [`Noise::normal`].
-    #[inline(always)]
-    fn draw(
-        &self,
-        (number, place, steps): (usize, u64, u64),
-        seed: &[u64; L],
-        numbers: &mut Vectors<Fused<f64>, L, D>,
-    ) {
-        for (draw, four) in (0..).zip(numbers.chunks_mut(4)) {
-            let mut words = [[0; L]; 4];
-            for l in 0..L {
-                let noise = Noise { effect: number as u64, place, ..self.noise(l, steps) };
-                let drawn = noise.words(seed[l], draw);
-                for (words, drawn) in words.iter_mut().zip(drawn) {
-                    words[l] = drawn;
-                }
-            }
-            for (two, words) in four.chunks_mut(2).zip(words.as_chunks().0) {
-                normal(words, two);
-            }
-        }
-    }
-}
-
-/// A normal number, or two, for each lane, of two words (G. Box, M. Muller).
-#[inline(always)]
-pub(super) fn normal<const L: usize>([a, b]: &[[u64; L]; 2], numbers: &mut [[Fused<f64>; L]]) {
-    let (mut cosines, mut sines) = ([Fused(0.0); L], [Fused(0.0); L]);
-    for l in 0..L {
-        let radius = (Fused(-2.0) * Fused(unit(a[l])).ln()).sqrt();
-        let (sin, cos) = (Fused(TAU) * Fused(unit(b[l]))).sin_cos();
-        (cosines[l], sines[l]) = (radius * cos, radius * sin);
-    }
-    for (numbers, drawn) in numbers.iter_mut().zip([cosines, sines]) {
-        *numbers = drawn;
     }
 }
 
@@ -535,20 +464,14 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize> Work for Asking<'_,
     fn run(self) {
         let Self { laws, stirring, question, changes } = self;
         let Question { number, half, place, steps, q, normal, square, p } = question;
-        let Stirring { after, time, h, .. } = *stirring;
-        let passed = match (stirring.changes, half) {
-            (false, _) => 0.0,
-            (true, _) if after > 0 => 0.5 * h,
-            (true, Half::Before) => 0.0,
-            (true, Half::After) => h,
-        };
+        let (rhythm, passed) = (&stirring.rhythm, stirring.rhythm.passed(half));
         for l in 0..L {
-            let noise = Noise { effect: number as u64, place, ..stirring.noise(l, steps) };
+            let noise = Noise { effect: number as u64, place, ..rhythm.noise(l, steps) };
             let one = S::from_f64(1.0);
             let normals = [Normal { gradient: at(normal, l), inverse_square: one / square[l] }];
-            let (now, mut change) = (stirring.now(l, steps) + passed, [[S::default(); D]]);
+            let (now, mut change) = (rhythm.now(l, steps) + passed, [[S::default(); D]]);
             let (q, p, normals) = ([at(q, l)], [at(p, l)], &&normals[..]);
-            let during = interval(time, half, now, [&q, &p], normals, noise);
+            let during = interval(rhythm.time, half, now, [&q, &p], normals, noise);
             laws.flow(l, number, &during, &mut change);
             put(changes, l, change[0]);
         }
@@ -565,21 +488,7 @@ fn interval<'a, S: Lane, const D: usize>(
     surface: &'a dyn Normals<S, D>,
     noise: Noise,
 ) -> Interval<'a, S, D> {
-    Interval {
-        h,
-        before: half == Half::Before,
-        at: Moment { time, positions },
-        momenta,
-        velocities: momenta,
-        rates: &[],
-        holding: &[],
-        coming: &[],
-        imposed: S::default(),
-        inertia: &UnitMasses,
-        surface: Some(surface),
-        marks: &[],
-        tied: false,
-        freedom: D - 1,
-        noise,
-    }
+    let given = Given { velocities: momenta, ..Given::of(h, half == Half::Before, noise) };
+    let seen = (Moment { time, positions }, momenta, &[][..]);
+    given.interval(seen, &UnitMasses, Some(surface), (false, D - 1))
 }

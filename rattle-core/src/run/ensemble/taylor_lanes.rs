@@ -13,14 +13,11 @@ use crate::number::real::Real;
 use crate::number::vector::{dot, largest, scaled};
 use crate::number::vectors::{Vectors, at};
 use crate::run::ensemble::laws::{Each, Laws, Same};
-use crate::run::ensemble::projected::Projects;
+use crate::run::ensemble::projected::{Projects, least_tolerance};
 use crate::run::ensemble::projected_row::Place;
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use crate::systems::surface::room::SeriesRoom;
 use crate::systems::surface::series::{Contributes, Together, expand, room};
-
-/// In single precision no tolerance is smaller than so many roundings of places, as of [`Dop853`](super::dop853_lanes).
-const ROUNDINGS: f64 = 4.0;
 
 /// The method, and what lanes obey.
 #[derive(Clone)]
@@ -41,15 +38,8 @@ pub(super) struct Expansion<S, const L: usize, const D: usize> {
 pub(super) trait InSeries<S: Lane, const L: usize, const D: usize>:
     Clone + Send + Sync + 'static
 {
-    /// The blocks of products that functions take; none where one has no series.
-    fn functions(&self) -> Option<usize>;
-    /// Writes the coefficients of positions from the first two, with ∇g and 1/|∇g|² at the start.
-    fn expand(
-        &self,
-        room: &mut SeriesRoom<Lanes<S, L>, D>,
-        start: ([Lanes<S, L>; D], Lanes<S, L>),
-        series: &mut [[Lanes<S, L>; D]],
-    );
+    fn constraint(&self) -> &impl ConstraintKernel<Lanes<S, L>, D, 1>;
+    fn effects(&self) -> impl Contributes<Lanes<S, L>, D>;
     /// Has lane `to` obey what lane `from` does.
     fn copy(&mut self, from: usize, to: usize);
 }
@@ -59,17 +49,13 @@ where
     K: ConstraintKernel<Lanes<S, L>, D, 1>,
     F: Forces<Lanes<S, L>, D>,
 {
-    fn functions(&self) -> Option<usize> {
-        Some(self.0.series()? + self.1.series_blocks(1)?)
+    #[inline(always)]
+    fn constraint(&self) -> &impl ConstraintKernel<Lanes<S, L>, D, 1> {
+        &self.0
     }
     #[inline(always)]
-    fn expand(
-        &self,
-        room: &mut SeriesRoom<Lanes<S, L>, D>,
-        start: ([Lanes<S, L>; D], Lanes<S, L>),
-        series: &mut [[Lanes<S, L>; D]],
-    ) {
-        expand::<true, _, _, D>(&self.0, &Together(&self.1), room, 1, |_| start, series, |_, _| {});
+    fn effects(&self) -> impl Contributes<Lanes<S, L>, D> {
+        Together(&self.1)
     }
     fn copy(&mut self, _: usize, _: usize) {}
 }
@@ -79,18 +65,13 @@ where
     C: Constraint<D, 1> + 'static,
     E: Effects<D> + 'static,
 {
-    fn functions(&self) -> Option<usize> {
-        Some(self.constraint.series()? + self.effects.series_blocks()?)
+    #[inline(always)]
+    fn constraint(&self) -> &impl ConstraintKernel<Lanes<S, L>, D, 1> {
+        &self.constraint
     }
     #[inline(always)]
-    fn expand(
-        &self,
-        room: &mut SeriesRoom<Lanes<S, L>, D>,
-        start: ([Lanes<S, L>; D], Lanes<S, L>),
-        series: &mut [[Lanes<S, L>; D]],
-    ) {
-        let effects = Apart(&self.effects);
-        expand::<true, _, _, D>(&self.constraint, &effects, room, 1, |_| start, series, |_, _| {});
+    fn effects(&self) -> impl Contributes<Lanes<S, L>, D> {
+        Apart(&self.effects)
     }
     fn copy(&mut self, from: usize, to: usize) {
         Laws::copy(self, from, to);
@@ -103,6 +84,9 @@ struct Apart<'a, W>(&'a W);
 impl<S: Lane, W: Swept<S, L, D>, const L: usize, const D: usize> Contributes<Lanes<S, L>, D>
     for Apart<'_, W>
 {
+    fn blocks(&self, _: usize) -> Option<usize> {
+        self.0.series_blocks()
+    }
     #[inline(always)]
     fn contribute<const FIRST: bool>(
         &self,
@@ -120,7 +104,7 @@ impl<X> TaylorInLanes<X> {
     where
         X: InSeries<S, L, D>,
     {
-        let functions = laws.functions()?;
+        let functions = laws.constraint().series()? + laws.effects().blocks(1)?;
         Some(Self { method, laws, functions })
     }
 }
@@ -167,7 +151,9 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
         let unit = products.unit;
         (series[0], series[1]) = (now.q.map(Lanes), scaled(Lanes::from_f64(unit), &now.p.map(Lanes)));
         let Self { method, laws, .. } = self;
-        laws.expand(products, (normal, inverse_square), series);
+        let (constraint, effects) = (laws.constraint(), laws.effects());
+        let start = |_| (normal, inverse_square);
+        expand::<true, _, _, D>(constraint, &effects, products, 1, start, series, |_, _| {});
         match method.tolerance() {
             None => (*inner, *next, *taken) = (*left, *left, [true; L]),
             Some(tolerance) => {
@@ -231,10 +217,7 @@ fn longest<S: Lane, const L: usize, const D: usize>(
             (S::from_f64(1.0 / order as f64), S::from_f64((order + 1) as f64 / unit) * whole);
         let (terms, rates) = (&series[order], &series[order + 1]);
         for l in 0..L {
-            let mut within = S::from_f64(tolerance);
-            if const { S::EPSILON > f64::EPSILON } {
-                within = within.max(S::from_f64(ROUNDINGS * S::EPSILON) * largest(&at(&now.q, l)));
-            }
+            let within = S::from_f64(tolerance).max(least_tolerance(&at(&now.q, l)));
             let [q, v] = [terms, rates].map(|x| largest(&std::array::from_fn::<S, D, _>(|d| x[d].0[l])));
             let fits = S::from_f64(unit) * (within / q.max(scale * v)).powf(inverse);
             let finite = (q + v).lt(far);

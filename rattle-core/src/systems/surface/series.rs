@@ -69,6 +69,8 @@ const LONGEST_UNIT: f64 = 50.0;
 
 /// What adds the next coefficient of the forces on bodies, from that of their positions.
 pub(crate) trait Contributes<T: Real, const D: usize> {
+    /// The blocks of products for `n` bodies; none without a power series.
+    fn blocks(&self, n: usize) -> Option<usize>;
     fn contribute<const FIRST: bool>(
         &self,
         positions: &[[T; D]],
@@ -81,6 +83,9 @@ pub(crate) trait Contributes<T: Real, const D: usize> {
 pub(crate) struct Together<'a, F>(pub(crate) &'a F);
 
 impl<T: Real, F: Forces<T, D>, const D: usize> Contributes<T, D> for Together<'_, F> {
+    fn blocks(&self, n: usize) -> Option<usize> {
+        self.0.series_blocks(n)
+    }
     #[inline(always)]
     fn contribute<const FIRST: bool>(
         &self,
