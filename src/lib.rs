@@ -79,7 +79,7 @@ pub mod method {
     pub use rattle_core::methods::fixed::{Fixed, Map};
     pub use rattle_core::motion::failure::Failure;
     pub use rattle_core::motion::identity::Identity;
-    pub use rattle_core::motion::method::{Method, Projecting, Splitting, Stage, View};
+    pub use rattle_core::motion::method::{Method, Projecting, Renewal, Splitting, Stage, View};
     pub use rattle_core::motion::witness::Witness;
 }
 

@@ -4,6 +4,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../lanes_brownian.rs"]
+mod lanes_brownian;
 #[path = "../lanes_drift.rs"]
 mod lanes_drift;
 #[path = "../lanes_flows.rs"]

@@ -14,7 +14,7 @@
 use crate::effect::interval::Half;
 use crate::error::{EffectMistake, Error};
 use crate::motion::failure::Failure;
-use crate::motion::method::{Method, View, check_step_size};
+use crate::motion::method::{Method, Renewal, View, check_step_size};
 use crate::motion::need::Kicks;
 use crate::motion::parts::BodiesOf;
 use crate::motion::stir;
@@ -62,6 +62,11 @@ impl Brownian {
     pub fn new(friction: f64, temperature: f64, seed: u64, h: f64) -> Self {
         Self { friction, temperature, seed, h }
     }
+
+    fn drawn(&self) -> Renewal {
+        let deviation = (2.0 * self.temperature / (self.friction * self.h)).sqrt();
+        Renewal { seed: self.seed, deviation, kick: 1.0 / self.friction }
+    }
 }
 
 impl Method for Brownian {
@@ -70,6 +75,7 @@ impl Method for Brownian {
     const DRAWS: bool = true;
     const STIRS: bool = true;
     const FORGETS: bool = true;
+    const RENEWS: bool = true;
 
     fn step_size(&self) -> f64 {
         self.h
@@ -92,6 +98,9 @@ impl Method for Brownian {
     fn undivided(&self) -> Option<&'static str> {
         Some("it has no momenta, and another division draws other random numbers")
     }
+    fn renewal(&self) -> Option<Renewal> {
+        Some(self.drawn())
+    }
     fn parameters(&self) -> Vec<f64> {
         vec![self.friction, self.temperature]
     }
@@ -110,27 +119,37 @@ impl Method for Brownian {
         _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        let work = bodies.work;
-        let size = (2.0 * self.temperature / (self.friction * self.h)).sqrt();
-        let zero = [T::from_f64(0.0); D];
-        for body in 0..bodies.q.as_ref().len() {
-            let numbers = bodies.noise.normal(self.seed, body).map(|x: f64| T::from_f64(size * x));
-            bodies.p.as_mut()[body] = system.inertia().root(body, &numbers);
-            bodies.p_low.as_mut()[body] = zero;
-        }
-        system.settle(0.0, self.h, bodies, &mut ())?;
-        if const { Y::FLOWS > 0 } {
-            stir::take_note(Half::Before, 0.5 * self.h, system, bodies);
-            stir::push(Half::Before, 1.0 / self.friction, system, bodies)?;
-        }
-        system.drift(1.0 / self.friction, self.h, bodies, witness)?;
-        stir::take_note(Half::After, 0.5 * self.h, system, bodies);
-        for (p, low) in bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()) {
-            (*p, *low) = (zero, zero);
-        }
-        system.evaluate_forces(bodies);
-        system.settle(0.0, self.h, bodies, witness)?;
-        bodies.work = work;
-        Ok(())
+        step(self.drawn(), self.h, system, bodies, witness)
     }
+}
+
+/// A step of h of a method that draws momenta anew.
+#[inline(always)]
+pub(crate) fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    Renewal { seed, deviation, kick }: Renewal,
+    h: f64,
+    system: &Y,
+    bodies: &mut BodiesOf<Y, T, D>,
+    witness: &mut W,
+) -> Result<(), Failure> {
+    let (work, zero) = (bodies.work, [T::from_f64(0.0); D]);
+    for body in 0..bodies.q.as_ref().len() {
+        let numbers = bodies.noise.normal(seed, body).map(|x: f64| T::from_f64(deviation * x));
+        bodies.p.as_mut()[body] = system.inertia().root(body, &numbers);
+        bodies.p_low.as_mut()[body] = zero;
+    }
+    system.settle(0.0, h, bodies, &mut ())?;
+    if const { Y::FLOWS > 0 } {
+        stir::take_note(Half::Before, 0.5 * h, system, bodies);
+        stir::push(Half::Before, kick, system, bodies)?;
+    }
+    system.drift(kick, h, bodies, witness)?;
+    stir::take_note(Half::After, 0.5 * h, system, bodies);
+    for (p, low) in bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()) {
+        (*p, *low) = (zero, zero);
+    }
+    system.evaluate_forces(bodies);
+    system.settle(0.0, h, bodies, witness)?;
+    bodies.work = work;
+    Ok(())
 }

@@ -129,6 +129,15 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// alone.
     const PROJECTS: Projecting = Projecting::Not;
 
+    /// Whether each step [draws momenta anew](Self::renewal). A constant of the type, as
+    /// [`SPLITTING`](Self::SPLITTING), so that the SIMD code of ensembles is compiled for such methods alone.
+    const RENEWS: bool = false;
+
+    /// The momenta that each step draws, where it [does so](Self::RENEWS).
+    fn renewal(&self) -> Option<Renewal> {
+        None
+    }
+
     /// The tolerance of the inner steps into which a step is divided, a length; `None` where it is not divided.
     fn tolerance(&self) -> Option<f64> {
         None
@@ -219,6 +228,18 @@ pub enum Projecting {
     /// By the power series of [`Taylor`](crate::methods::taylor::Taylor), of its [order](Method::order) and with its
     /// [tolerance](Method::tolerance).
     Taylor,
+}
+
+/// Momenta that a step of a [`Method`] draws anew: they are drawn, a kick follows and then the drift of the step, both
+/// along the constraints, and after it they are forgotten.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Renewal {
+    /// The seed of the random numbers, the first of their step: [`Noise::normal`](crate::effect::Noise::normal).
+    pub seed: u64,
+    /// Their standard deviation, that of a momentum of a mass of 1.
+    pub deviation: f64,
+    /// The kick, a time.
+    pub kick: f64,
 }
 
 /// A stage of a splitting: a drift along the constraints, with a kick before and after it. After each kick momenta are

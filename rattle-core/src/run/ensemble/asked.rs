@@ -122,15 +122,18 @@ pub(super) fn square<const D: usize>(sight: &Sight<'_, D>) -> f64 {
 /// Has an engine answer what a sight asks by its laws, those of one body on a surface; beside the number of lanes, of
 /// coordinates and of sums, this constant is the last parameter of its type, or this type is.
 macro_rules! answered_by_laws {
+    ($engine:ident) => {
+        answered_by_laws!(@$engine, [],);
+    };
     ($engine:ident, $last:ident: $kind:ty) => {
         answered_by_laws!(@$engine, [const $last: $kind], $last);
     };
     ($engine:ident, type $last:ident) => {
         answered_by_laws!(@$engine, [$last], $last);
     };
-    (@$engine:ident, [$($parameter:tt)*], $last:ident) => {
+    (@$engine:ident, [$($parameter:tt)*], $($last:ident)?) => {
         impl<S, X, const L: usize, const D: usize, const SUMS: usize, $($parameter)*>
-            $crate::run::watch::sight::Source<D> for $engine<S, X, L, D, SUMS, $last>
+            $crate::run::watch::sight::Source<D> for $engine<S, X, L, D, SUMS, $($last)?>
         where
             S: $crate::number::lanes::Lane,
             X: $crate::run::ensemble::laws::Laws<S, D>,

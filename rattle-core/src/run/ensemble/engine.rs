@@ -111,6 +111,10 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
         parts: u32,
         place: &mut u64,
     ) -> Result<Moved<D>, Failure>;
+    /// Whether steps can be repeated in parts.
+    fn divides(&self) -> bool {
+        true
+    }
     /// Says of which trajectory a lane draws the random numbers, and where and when that starts.
     fn draw_as(&mut self, _lane: usize, _draws: Draws) {}
     /// The work of flows on a lane since the start, which is copied with it; none where there are no flows.

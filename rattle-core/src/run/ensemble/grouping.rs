@@ -7,7 +7,7 @@ use crate::methods::dop853::Dop853;
 use crate::methods::taylor::Taylor;
 use crate::motion::bodies::Count;
 use crate::motion::hold::{PhaseSpaces, Surfaces};
-use crate::motion::method::{Method, Projecting, Splitting, Stage};
+use crate::motion::method::{Method, Projecting, Renewal, Splitting, Stage};
 use crate::motion::state::State;
 use crate::motion::system::System;
 use crate::motion::table::{Table, Tabulated};
@@ -26,6 +26,7 @@ use crate::run::ensemble::phase_lanes::{PhaseLanes, fits_lanes};
 use crate::run::ensemble::phase_row::ROW as IN_PHASE_SPACE;
 use crate::run::ensemble::precision::{InNumbers, Precision};
 use crate::run::ensemble::projected_lanes::ProjectedLanes;
+use crate::run::ensemble::renewed_lanes::RenewedLanes;
 use crate::run::ensemble::rigid_going::Turns;
 use crate::run::ensemble::rigid_lanes::RigidLanes;
 use crate::run::ensemble::rigid_row::RigidRow;
@@ -57,6 +58,8 @@ pub(super) struct HowInLanes {
     /// The order of the method, and the tolerance of inner steps.
     pub(super) order: u32,
     pub(super) tolerance: Option<f64>,
+    /// The momenta that each step draws.
+    pub(super) renewal: Option<Renewal>,
 }
 
 impl HowInLanes {
@@ -69,7 +72,7 @@ impl HowInLanes {
         let fusing = Fusing::of(set).ok_or(NotInLanes::Instructions(set))?;
         let (stages, h, set) = (method.stages(), method.step_size(), fusing);
         let goes = match S::SPLITTING {
-            Splitting::Not => S::COLLOCATES > 0 || S::PROJECTS != Projecting::Not,
+            Splitting::Not => S::COLLOCATES > 0 || S::PROJECTS != Projecting::Not || S::RENEWS,
             Splitting::OneStage => stages.len() == 1,
             Splitting::Stages => !stages.is_empty(),
         };
@@ -80,7 +83,8 @@ impl HowInLanes {
             return Err(NotInLanes::ShortSteps(h));
         }
         let (order, tolerance, stirs_after) = (method.order(), method.tolerance(), method.stirs_after());
-        Ok(Self { stages, h, stirs_after, set, first: 0, order, tolerance })
+        let renewal = method.renewal();
+        Ok(Self { stages, h, stirs_after, set, first: 0, order, tolerance, renewal })
     }
 
     /// The method that these are, a splitting, as it moves rows, where flows act or do not.
@@ -213,6 +217,9 @@ fn grouped<P: Precision, S: Method, O: Obeyed<D>, const D: usize>(
         return Some(P::compute(Splittings::<O, false, D>(obeyed, starts, lanes)));
     }
     by_stages!(2 3 4 5 6 7 8 9);
+    if const { S::RENEWS && D <= MOST_COORDINATES && !O::FLOWS } {
+        return P::compute(Renewals::<O, D>(obeyed, starts, lanes));
+    }
     if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 && D <= MOST_COORDINATES && !O::FLOWS } {
         return P::compute(Projections::<O, D>(obeyed, starts, lanes));
     }
@@ -404,6 +411,24 @@ impl<O: Obeyed<D>, const EQUAL: bool, const D: usize> InNumbers for Splittings<'
         let laws = obeyed.laws::<S, LANES>(0);
         let engine = SplittingLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, stages, *stirs_after, *h, *set);
         vec![side_by_side(Box::new(engine), *first, starts)]
+    }
+}
+
+/// Trajectories by steps that draw momenta anew.
+struct Renewals<'a, O, const D: usize>(&'a O, &'a [State<D>], &'a HowInLanes);
+
+impl<O: Obeyed<D>, const D: usize> InNumbers for Renewals<'_, O, D> {
+    type Done = Groups<D>;
+
+    fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
+        let Self(obeyed, starts, &HowInLanes { h, set, first, renewal, .. }) = self;
+        if const { O::ALIKE } && starts.len() == 1 {
+            let engine = RenewedLanes::<S, _, 1, D, SUMS>::new(obeyed.laws::<S, 1>(0), renewal?, h, set);
+            return Some(vec![side_by_side(Box::new(engine), first, starts)]);
+        }
+        let laws = obeyed.laws::<S, LANES>(0);
+        let engine = RenewedLanes::<S, _, LANES, D, SUMS>::new(laws, renewal?, h, set);
+        Some(vec![side_by_side(Box::new(engine), first, starts)])
     }
 }
 

@@ -409,7 +409,7 @@ impl<const D: usize> Group<D> for SideBySide<D> {
     }
 
     fn retry(&mut self, halvings: u32) {
-        self.halvings = halvings.min(MOST_HALVINGS);
+        self.halvings = if self.engine.divides() { halvings.min(MOST_HALVINGS) } else { 0 };
     }
 
     fn state(&self, trajectory: usize) -> State<D> {

@@ -145,7 +145,7 @@ where
 /// Kicks all lanes for so long before the part of a step that is to come, and makes a first guess for that from g̈ = 0:
 /// what flows have changed is not extrapolated.
 #[inline(always)]
-fn lead<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+pub(super) fn lead<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
     block: &mut Block<S, L, D, SUMS, EQUAL>,
     laws: &impl Laws<S, D>,
     part: &Part,

@@ -1,0 +1,279 @@
+//! Steps that draw momenta anew, in lanes: [Brownian motion](crate::methods::brownian).
+//!
+//! Each step begins as after flows of momenta: a kick and a first guess from g̈ = 0, since nothing can be extrapolated
+//! from the steps before. Its drift is that of [splittings](crate::run::ensemble::loops). The numbers that a lane draws
+//! are those of a [`Simulation`](crate::run::simulation::Simulation). A lane that cannot take a step goes by itself,
+//! which says why if it cannot either.
+
+use crate::error::Error;
+use crate::kernel::functions::ConstraintKernel;
+use crate::methods::brownian;
+use crate::motion::bodies::Body;
+use crate::motion::failure::Failure;
+use crate::motion::guarded::Guarded;
+use crate::motion::method::{Renewal, Stage};
+use crate::motion::parts::Parts;
+use crate::motion::record::{Hallmark, Reading, Record};
+use crate::number::instructions::{Fusing, Work};
+use crate::number::lanes::{Fused, Lane};
+use crate::number::vector::{dot, scaled, two_sum};
+use crate::number::vectors::{Vectors, at, put};
+use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
+use crate::run::ensemble::block::{Block, Part, Scratch};
+use crate::run::ensemble::crossing::crossings;
+use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::laws::{Laws, system_of};
+use crate::run::ensemble::loops::step;
+use crate::run::ensemble::rhythm::Rhythm;
+use crate::run::ensemble::splitting_lanes::{in_lanes, out_of_lanes};
+use crate::run::ensemble::stirred::lead;
+use crate::run::ensemble::stirring::DEVIATIONS;
+use crate::solve::crowd::EVERY;
+use std::any::Any;
+use std::hint::black_box;
+
+/// A block, what its lanes obey, and what they draw.
+#[derive(Clone)]
+pub(crate) struct RenewedLanes<S, X, const L: usize, const D: usize, const SUMS: usize> {
+    block: Block<S, L, D, SUMS, false>,
+    laws: X,
+    renewal: Renewal,
+    /// The step, momenta being ahead by no kick; and with its kick.
+    drift: Part,
+    whole: Part,
+    rhythm: Rhythm<L>,
+    h: f64,
+    set: Fusing,
+}
+
+impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize>
+    RenewedLanes<S, X, L, D, SUMS>
+{
+    /// Lanes, none of them set, that obey these laws in steps of h with momenta drawn so.
+    pub(crate) fn new(laws: X, renewal: Renewal, h: f64, set: Fusing) -> Self {
+        let part = |before| Part::of::<false>(&[Stage { before, h, after: 0.0 }])[0];
+        let (drift, whole) = (part(0.0), part(renewal.kick));
+        let rhythm = Rhythm::of(0, h, false, false);
+        Self { block: Block::new(), laws, renewal, drift, whole, rhythm, h, set }
+    }
+
+    /// Asks whether other sheets are near, after so many steps, as far as momenta may lead that are drawn until it is
+    /// asked again.
+    #[inline(always)]
+    fn look_around(&self, block: &Block<S, L, D, SUMS, false>, laws: &X, steps: u64) -> Result<(), Stuck> {
+        block.look_around(steps, laws, &[self.whole], |_| DEVIATIONS * self.renewal.deviation)
+    }
+}
+
+impl<S, X, const L: usize, const D: usize, const SUMS: usize> Engine<D> for RenewedLanes<S, X, L, D, SUMS>
+where
+    S: Lane + 'static,
+    X: Laws<S, D> + 'static,
+{
+    fn width(&self) -> usize {
+        L
+    }
+
+    fn bodies_of_each(&self) -> usize {
+        1
+    }
+
+    fn divides(&self) -> bool {
+        false
+    }
+
+    fn boxed(&self) -> Box<dyn Engine<D>> {
+        Box::new(self.clone())
+    }
+
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
+        let block = self.set.run_lanes::<L, _>(Going { lanes: self, tour })?;
+        Ok(Box::new(Self { block, laws: self.laws.clone(), rhythm: self.rhythm.clone(), ..*self }))
+    }
+
+    fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
+        let Body { q, q_low, p, p_low } = bodies[0].map(S::from_f64);
+        self.block.set(lane, &self.laws, &[self.drift], [q, q_low], [p, p_low]);
+        true // momenta of a start are nothing to its first step, so that each lane can hold any
+    }
+
+    fn copy(&mut self, from: usize, to: usize) {
+        self.block.copy(from, to);
+    }
+
+    fn obey(&mut self, from: usize, to: usize) {
+        self.laws.copy(from, to);
+        self.rhythm.copy(from, to);
+    }
+
+    fn obey_as_in(&mut self, engine: &dyn Engine<D>) {
+        if let Some(engine) = (engine as &dyn Any).downcast_ref::<Self>() {
+            (self.laws, self.rhythm) = (engine.laws.clone(), engine.rhythm.clone());
+        }
+    }
+
+    fn draw_as(&mut self, lane: usize, draws: Draws) {
+        self.rhythm.draw_as(lane, draws);
+    }
+
+    fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
+        let ([q, q_low], [p, p_low]) =
+            (self.block.position(lane), self.block.momentum(lane, &self.laws, &[self.drift]));
+        vec![Body { q, q_low, p, p_low }.map(S::to_f64)]
+    }
+
+    fn by_itself(
+        &self,
+        lane: usize,
+        bodies: &[Body<f64, D>],
+        from: u64,
+        steps: u64,
+        _: u32,
+        _: &mut u64,
+    ) -> Result<Moved<D>, Failure> {
+        let system = system_of(&self.laws, lane);
+        let mut bodies = system.bodies(&in_lanes::<S, D>(bodies), 0.0);
+        for number in 0..steps {
+            if number > 0 {
+                system.refresh(&mut bodies); // as where a run is divided: bits depend on no division
+            }
+            bodies.noise = self.rhythm.noise(lane, from + number);
+            let start = bodies.saved();
+            brownian::step(self.renewal, self.h, &system, &mut bodies, &mut ())?;
+            system.check_kinks(&start, &bodies)?;
+        }
+        Ok((out_of_lanes(&bodies.all()), 0.0))
+    }
+
+    fn kick_alone(&self, steps: u32) {
+        let kicking = Kicking { q: &self.block.q, way: self.block.way, laws: &self.laws, kicks: steps };
+        black_box(self.set.run_lanes::<L, _>(kicking));
+    }
+
+    fn forces(&self) -> Vec<&'static str> {
+        forces(&self.laws)
+    }
+
+    fn record(&self, to: &mut Record) {
+        self.block.record(to);
+    }
+
+    fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
+        Ok(Box::new(Self { block: Block::recalled(from, 1)?, ..self.clone() }))
+    }
+
+    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
+        hallmarks(&self.laws, lane, &bodies[0])
+    }
+
+    fn method(&self) -> Hallmark {
+        let Renewal { seed, deviation, kick } = self.renewal;
+        let seed = [(seed >> 32) as f64, (seed & 0xFFFF_FFFF) as f64];
+        Hallmark::new("method", "momenta drawn anew", vec![self.h, deviation, kick, seed[0], seed[1]])
+    }
+}
+
+answered_by_laws!(RenewedLanes);
+
+/// What a thread works on, at a place of the same kind each time.
+#[repr(C, align(4096))]
+struct Desk<S, const L: usize, const D: usize, const SUMS: usize> {
+    block: Block<S, L, D, SUMS, false>,
+    scratch: Scratch<S, L, D>,
+}
+
+/// A block on a tour.
+struct Going<'a, S, X, const L: usize, const D: usize, const SUMS: usize> {
+    lanes: &'a RenewedLanes<S, X, L, D, SUMS>,
+    tour: &'a mut dyn Tour<D>,
+}
+
+impl<S, X, const L: usize, const D: usize, const SUMS: usize> Work for Going<'_, S, X, L, D, SUMS>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    type Done = Result<Block<S, L, D, SUMS, false>, Stuck>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Done {
+        let Self { lanes, tour } = self;
+        let laws = lanes.laws.clone(); // out of reach of what the loops write
+        let mut desk = Desk { block: lanes.block.clone(), scratch: Scratch::new() };
+        let Desk { block, scratch } = &mut desk;
+        while let Some(Leg { from, steps, written, .. }) = tour.next() {
+            if from == 0 && steps > 0 {
+                forget(block);
+            }
+            for now in from..from + steps {
+                if now % EVERY == 0 {
+                    lanes.look_around(block, &laws, now)?;
+                }
+                let start = block.q;
+                draw(lanes, block, now);
+                lead(block, &laws, &lanes.drift, lanes.renewal.kick);
+                // Why a lane cannot be moved, it says by itself.
+                step(block, &laws, &[lanes.drift], scratch).map_err(|of| Stuck { failure: None, ..of })?;
+                if const { !X::Constraint::KINKS.is_empty() } {
+                    crossings(&laws, &start, &block.q)?;
+                }
+                forget(block);
+            }
+            if let Some(written) = written {
+                let (q, p) = block.all(&laws, &[lanes.drift]);
+                written.fill(L, |lane| at(&q, lane).map(S::to_f64), |lane| at(&p, lane).map(S::to_f64));
+            }
+        }
+        Ok(desk.block)
+    }
+}
+
+/// Forgets momenta, and what was guessed from them.
+#[inline(always)]
+fn forget<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
+    block: &mut Block<S, L, D, SUMS, false>,
+) {
+    let zero = [S::default(); L];
+    (block.way, block.way_low) = ([zero; D], [[zero; D]; SUMS]);
+    (block.guess, block.past) = (zero, [zero; 2]);
+}
+
+/// Draws the momenta of all lanes for the step after so many, along the surface.
+#[inline(always)]
+fn draw<S: Lane, X, const L: usize, const D: usize, const SUMS: usize>(
+    lanes: &RenewedLanes<S, X, L, D, SUMS>,
+    block: &mut Block<S, L, D, SUMS, false>,
+    steps: u64,
+) {
+    let RenewedLanes { renewal: Renewal { seed, deviation, .. }, rhythm, .. } = lanes;
+    let mut noise: Vectors<Fused<f64>, L, D> = [[Fused(0.0); L]; D];
+    for (draw, four) in (0..).zip(noise.chunks_mut(4)) {
+        rhythm.draw(&[*seed; L], (0, 0, steps), draw, four);
+    }
+    along(*deviation, &noise, &block.normal, &block.square, &mut block.way, &mut block.way_low);
+}
+
+/// So many times these numbers, made momenta along the surface.
+#[inline(always)]
+fn along<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
+    deviation: f64,
+    noise: &Vectors<Fused<f64>, L, D>,
+    normal: &Vectors<S, L, D>,
+    square: &[S; L],
+    p: &mut Vectors<S, L, D>,
+    low: &mut [Vectors<S, L, D>; SUMS],
+) {
+    for l in 0..L {
+        let n = at(normal, l);
+        let mut drawn = [S::default(); D];
+        for d in 0..D {
+            drawn[d] = S::from_f64(deviation * noise[d][l].0);
+        }
+        let back = scaled(-dot(&n, &drawn) / square[l], &n);
+        let (high, rest) = two_sum(&drawn, &back);
+        put(p, l, high);
+        if SUMS == 1 {
+            put(&mut low[0], l, rest);
+        }
+    }
+}
