@@ -74,6 +74,13 @@ fn taylor_in_lanes_stays_on_its_sheet() {
     ensembles(13, 10, |h| Taylor::adaptive(12, 4.0 * h, 1e-8)).check(340);
 }
 
+/// Random displacements of 0.8 h or so.
+#[test]
+#[cfg(long)]
+fn brownian_motion_in_lanes_stays_on_its_sheet() {
+    ensembles(14, 20, |h| Brownian::new(1.0, 0.3, 5, h * h)).check(300);
+}
+
 constraint! {
     /// |q| = 1, and below a height many more spheres: |∇g| changes by any factor in a step or two.
     #[derive(Clone, Copy)]

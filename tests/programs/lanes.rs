@@ -6,6 +6,8 @@
 mod common;
 #[path = "../lanes_brownian.rs"]
 mod lanes_brownian;
+#[path = "../lanes_brownian_linked.rs"]
+mod lanes_brownian_linked;
 #[path = "../lanes_drift.rs"]
 mod lanes_drift;
 #[path = "../lanes_flows.rs"]

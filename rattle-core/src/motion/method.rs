@@ -19,6 +19,7 @@
 //! `Composition::new(coefficients, h)`, `Composition::of(coefficients, base)`, `Geodesic::new(inner, h)`,
 //! `Taylor::adaptive(order, h, tolerance)`, `Variable::of(base, tau)`.
 
+use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::error::Error;
 use crate::motion::failure::Failure;
 use crate::motion::identity::Identity;
@@ -240,6 +241,13 @@ pub struct Renewal {
     pub deviation: f64,
     /// The kick, a time.
     pub kick: f64,
+}
+
+impl Renewal {
+    /// What forgets momenta and draws others, as a process.
+    pub(crate) fn process(&self) -> OrnsteinUhlenbeck {
+        OrnsteinUhlenbeck { lost: -1.0, variance: self.deviation * self.deviation, seed: self.seed }
+    }
 }
 
 /// A stage of a splitting: a drift along the constraints, with a kick before and after it. After each kick momenta are

@@ -89,6 +89,9 @@ impl HowInLanes {
 
     /// The method that these are, a splitting, as it moves rows, where flows act or do not.
     fn splits<P: Precision, S: Method>(&self, flows: bool) -> Splits {
+        if let Some(renewal) = self.renewal {
+            return Splits::renewed(renewal, self.h, P::compute(Sums), self.set);
+        }
         let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
         let splits = Splits::new(&self.stages, self.h, equal && !flows, P::compute(Sums), self.set);
         if flows { splits.stirred(self.stirs_after) } else { splits }

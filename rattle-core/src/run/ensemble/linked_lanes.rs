@@ -19,6 +19,7 @@ use crate::run::ensemble::linked_plan::{LinkedPlan, Links, Places};
 use crate::run::ensemble::linked_row::{Course, Landed, LinkedRow, at_rest};
 use crate::run::ensemble::linked_stirred::StirredSteps;
 use crate::run::ensemble::linked_stirring::RowStirring;
+use crate::run::ensemble::renewed_lanes;
 use crate::run::ensemble::splitting_lanes::{Splits, StirredAlone, by_itself};
 use crate::run::ensemble::stirred::LARGER;
 use crate::run::fingerprint::of_system;
@@ -109,7 +110,10 @@ where
         let (plan, links) =
             (LinkedPlan::of(&shape, method.sums, false)?, Links::of(&shape, |_, group| Width::links(group))?);
         let laws = vec![Law::new(network, shape, effects, bodies)?];
-        let stirring = RowStirring::of(|_| laws[0].shown(), &method);
+        let stirring = match method.renewal {
+            Some(renewal) => Some(RowStirring::renewing(renewal, method.h, D, &|_| laws[0].masses.to_vec())),
+            None => RowStirring::of(|_| laws[0].shown(), &method),
+        };
         let obeyed = Obeyed { laws, links, pulls: of_all(effects, bodies), over: None, stirring };
         Some(Self::with(plan, obeyed, method))
     }
@@ -162,7 +166,13 @@ impl<F: Forces<f64, D>, const D: usize> LinkedLanes<F, D, ROW> {
             over: apart.then(|| (0..plan.coordinates).map(over).collect()),
             links,
             pulls: of_each(|lane| effects[of(lane)], bodies),
-            stirring: RowStirring::of(|lane| laws[of(lane)].shown(), &method),
+            stirring: match method.renewal {
+                Some(renewal) => {
+                    let masses = |lane| laws[of(lane)].masses.to_vec();
+                    Some(RowStirring::renewing(renewal, method.h, D, &masses))
+                }
+                None => RowStirring::of(|lane| laws[of(lane)].shown(), &method),
+            },
             laws: (0..ROW).map(|lane| laws[of(lane)].clone()).collect(),
         };
         Some(Self::with(plan, obeyed, method))
@@ -282,6 +292,10 @@ where
         W
     }
 
+    fn divides(&self) -> bool {
+        self.common.method.renewal.is_none()
+    }
+
     fn boxed(&self) -> Box<dyn Engine<D>> {
         Box::new(self.clone())
     }
@@ -305,9 +319,7 @@ where
         let freedom = common.plan.moving.len() - common.plan.equations;
         while let Some(Leg { from, steps, written, shown }) = tour.next() {
             let pulling = room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<LinkedRow, W>);
-            if const { F::FLOWS > 0 }
-                && let Some(stirring) = &self.obeyed.stirring
-            {
+            if let Some(stirring) = &self.obeyed.stirring {
                 Width::stir(StirredSteps {
                     course: &course,
                     stirring,
@@ -315,7 +327,9 @@ where
                     pulling,
                     apart: &mut apart,
                     answer: &mut |question, changes| {
-                        answer(|lane| self.law(lane), freedom, stirring, question, changes);
+                        if const { F::FLOWS > 0 } {
+                            answer(|lane| self.law(lane), freedom, stirring, question, changes);
+                        }
                     },
                     numbers: &mut numbers,
                     work: &mut account.work,
@@ -356,11 +370,15 @@ where
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
         let law = self.law(lane).clone();
         let (system, common) = (&*law.system, self.common.clone());
-        let Common { plan, method: Splits { parts, equal, sums, h, .. } } = &*common;
+        let Common { plan, method: Splits { parts, equal, sums, h, renewal, .. } } = &*common;
         let Places { q, q_low, way, way_low, lifted, guess, last, earlier, square, rest, .. } = plan.places;
         let part = &parts[self.part];
         let mut ahead = system.bodies(bodies, 0.0);
         let independent = system.freedom(&ahead) + plan.equations == plan.moving.len();
+        // Momenta of a start are nothing to a step that draws others.
+        let resting: Vec<_> =
+            bodies.iter().map(|body| Body { p: [0.0; D], p_low: [0.0; D], ..*body }).collect();
+        let bodies = if renewal.is_some() { &resting } else { bodies };
         let narrow = plan.equations > constraints::FEW
             && law.ready(bodies, *h).is_none_or(|system| system.is_narrow());
         let mut heard = Heard::of(system);
@@ -420,7 +438,8 @@ where
         // Farther off than twice the path is another root, unless at rest, where rounding alone leads off.
         let largest = sizes.iter().fold(0.0_f64, |most, &x| most.max(x));
         let near = off <= 2.0 * path + ROUNDINGS * f64::EPSILON * largest;
-        drifted.is_ok() && independent && !narrow && path.is_finite() && near
+        let goes = renewal.is_some() || (drifted.is_ok() && path.is_finite() && near);
+        goes && independent && !narrow
     }
 
     fn copy(&mut self, from: usize, to: usize) {
@@ -432,7 +451,7 @@ where
     }
 
     fn obey(&mut self, from: usize, to: usize) {
-        if self.obeyed.laws.len() == 1 && const { F::FLOWS == 0 } {
+        if self.obeyed.laws.len() == 1 && self.obeyed.stirring.is_none() {
             return;
         }
         let Obeyed { laws, links, pulls, over, stirring } = Arc::make_mut(&mut self.obeyed);
@@ -457,7 +476,7 @@ where
     }
 
     fn draw_as(&mut self, lane: usize, draws: Draws) {
-        if const { F::FLOWS > 0 }
+        if self.obeyed.stirring.is_some()
             && let Some(stirring) = &mut Arc::make_mut(&mut self.obeyed).stirring
         {
             stirring.rhythm.draw_as(lane, draws);
@@ -495,7 +514,13 @@ where
         let law = self.law(lane);
         let ready = law.ready(bodies, self.common.method.h);
         let system = ready.as_ref().unwrap_or(&law.system);
-        let stages = &self.common.method.stages;
+        let Splits { stages, h, renewal, .. } = &self.common.method;
+        if let Some(renewal) = *renewal
+            && let Some(stirring) = &self.obeyed.stirring
+        {
+            let noise = |number| stirring.rhythm.noise(lane, from + number);
+            return renewed_lanes::by_itself::<f64, _, D>(system, renewal, *h, &noise, steps, bodies);
+        }
         if const { F::FLOWS > 0 }
             && let Some(stirring) = &self.obeyed.stirring
         {

@@ -6,9 +6,10 @@
 
 use crate::effect::interval::Half;
 use crate::number::instructions::Work;
+use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
-use crate::run::ensemble::linked_plan::Places;
+use crate::run::ensemble::linked_plan::{LinkedPlan, Places};
 use crate::run::ensemble::linked_row::{Apart, Course, LinkedRow};
 use crate::run::ensemble::linked_stirring::{Answer, RowStirring};
 use crate::run::ensemble::rhythm::{Rhythm, When};
@@ -46,6 +47,9 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
         let n = self.course.plan.coordinates;
         self.numbers.copy_within(q..q + n, trial); // where pinned bodies stay
         if from == 0 && end > 0 {
+            if self.stirring.rhythm.renews {
+                self.forget();
+            }
             self.look_around(0)?;
         }
         self.evaluate();
@@ -88,7 +92,26 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
                 self.heed()?;
             }
         }
-        if around { self.act(Half::After, steps) } else { Ok(()) }
+        match around {
+            true if self.stirring.rhythm.renews => self.forget(),
+            true => self.act(Half::After, steps)?,
+            false => {}
+        }
+        Ok(())
+    }
+
+    /// Forgets momenta, and what was guessed from them.
+    #[inline(always)]
+    fn forget(&mut self) {
+        let LinkedPlan { coordinates, equations, places, .. } = self.course.plan;
+        let &Places { way, way_low, guess, last, earlier, .. } = places;
+        self.numbers[way..way + coordinates].fill(zeros());
+        if self.course.sums {
+            self.numbers[way_low..way_low + coordinates].fill(zeros());
+        }
+        for numbers in [guess, last, earlier] {
+            self.numbers[numbers..numbers + equations].fill(zeros());
+        }
     }
 
     /// Evaluates G where bodies are, as each step leaves it.
@@ -127,8 +150,9 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
     /// Asks whether other sheets are near, after so many steps, and sets limits.
     #[inline(always)]
     fn look_around(&mut self, steps: u64) -> Result<(), Stuck> {
-        let Self { course, stirring, numbers, pulling, limits, .. } = self;
-        course.look_around(steps, &course.parts[0], &stirring.least, numbers, pulling)?;
+        let Self { course, stirring, kick, numbers, pulling, limits, .. } = self;
+        let part = Part { kick: course.parts[0].kick.max(*kick), ..course.parts[0] };
+        course.look_around(steps, &part, &stirring.least, numbers, pulling)?;
         let way = course.plan.places.way;
         let fastest = stirring.fastest(&numbers[way..way + course.plan.coordinates], true);
         limits.iter_mut().zip(fastest).for_each(|(limit, fastest)| *limit = LARGER * fastest);

@@ -15,6 +15,7 @@
 
 use crate::effect::interval::{Half, Inertia, Rule};
 use crate::effect::list::Forces;
+use crate::motion::method::Renewal;
 use crate::motion::system::System;
 use crate::number::instructions::Work;
 use crate::number::lanes::{Fused, Lanes};
@@ -114,6 +115,29 @@ impl<const W: usize> RowStirring<W> {
         };
         let flows = (0..F::FLOWS).map(&mut stir).collect();
         Some(Box::new(Self { flows, rhythm, dimension: D, masses, least }))
+    }
+
+    /// What draws the momenta of lanes of bodies of so many coordinates anew, with these masses and 1 over them in each
+    /// lane. Momenta are forgotten before.
+    pub(super) fn renewing(
+        renewal: Renewal,
+        h: f64,
+        dimension: usize,
+        masses: &dyn Fn(usize) -> Vec<[f64; 2]>,
+    ) -> Box<Self> {
+        let lanes: [_; W] = from_fn(masses);
+        let number = |f: &dyn Fn(usize) -> f64| Lanes(from_fn(|l| Fused(f(l))));
+        let each = |c: usize| [0, 1].map(|of| number(&|l| lanes[l][c][of]));
+        let most = DEVIATIONS * renewal.deviation;
+        let least = |c: usize| number(&|l| most * lanes[l][c][1].sqrt());
+        let n = lanes[0].len();
+        Box::new(Self {
+            flows: vec![Stir::Bath(Rule::Random, Bath::of(&[renewal.process(); W]))],
+            rhythm: Rhythm::renewing(h),
+            dimension,
+            masses: (0..n).map(each).collect(),
+            least: (0..n).map(least).collect(),
+        })
     }
 
     /// Has lane `to` be stirred as lane `from` is.

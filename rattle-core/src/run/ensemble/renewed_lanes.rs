@@ -2,22 +2,20 @@
 //!
 //! Each step begins as after flows of momenta: a kick and a first guess from g̈ = 0, since nothing can be extrapolated
 //! from the steps before. Its drift is that of [splittings](crate::run::ensemble::loops). The numbers that a lane draws
-//! are those of a [`Simulation`](crate::run::simulation::Simulation). A lane that cannot take a step goes by itself,
-//! which says why if it cannot either.
+//! are those of a [`Simulation`](crate::run::simulation::Simulation).
 
+use crate::effect::noise::Noise;
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
 use crate::methods::brownian;
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
-use crate::motion::guarded::Guarded;
 use crate::motion::method::{Renewal, Stage};
-use crate::motion::parts::Parts;
 use crate::motion::record::{Hallmark, Reading, Record};
+use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::{Fused, Lane};
-use crate::number::vector::{dot, scaled, two_sum};
-use crate::number::vectors::{Vectors, at, put};
+use crate::number::vectors::{Vectors, at};
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::block::{Block, Part, Scratch};
 use crate::run::ensemble::crossing::crossings;
@@ -53,7 +51,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize>
     pub(crate) fn new(laws: X, renewal: Renewal, h: f64, set: Fusing) -> Self {
         let part = |before| Part::of::<false>(&[Stage { before, h, after: 0.0 }])[0];
         let (drift, whole) = (part(0.0), part(renewal.kick));
-        let rhythm = Rhythm::of(0, h, false, false);
+        let rhythm = Rhythm::renewing(h);
         Self { block: Block::new(), laws, renewal, drift, whole, rhythm, h, set }
     }
 
@@ -131,18 +129,8 @@ where
         _: u32,
         _: &mut u64,
     ) -> Result<Moved<D>, Failure> {
-        let system = system_of(&self.laws, lane);
-        let mut bodies = system.bodies(&in_lanes::<S, D>(bodies), 0.0);
-        for number in 0..steps {
-            if number > 0 {
-                system.refresh(&mut bodies); // as where a run is divided: bits depend on no division
-            }
-            bodies.noise = self.rhythm.noise(lane, from + number);
-            let start = bodies.saved();
-            brownian::step(self.renewal, self.h, &system, &mut bodies, &mut ())?;
-            system.check_kinks(&start, &bodies)?;
-        }
-        Ok((out_of_lanes(&bodies.all()), 0.0))
+        let (system, noise) = (system_of(&self.laws, lane), |number| self.rhythm.noise(lane, from + number));
+        by_itself::<S, _, D>(&system, self.renewal, self.h, &noise, steps, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {
@@ -167,13 +155,41 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        let Renewal { seed, deviation, kick } = self.renewal;
-        let seed = [(seed >> 32) as f64, (seed & 0xFFFF_FFFF) as f64];
-        Hallmark::new("method", "momenta drawn anew", vec![self.h, deviation, kick, seed[0], seed[1]])
+        hallmark(self.renewal, self.h)
     }
 }
 
 answered_by_laws!(RenewedLanes);
+
+/// What tells a method that draws these momenta anew from others.
+pub(super) fn hallmark(Renewal { seed, deviation, kick }: Renewal, h: f64) -> Hallmark {
+    let seed = [(seed >> 32) as f64, (seed & 0xFFFF_FFFF) as f64];
+    Hallmark::new("method", "momenta drawn anew", vec![h, deviation, kick, seed[0], seed[1]])
+}
+
+/// Where bodies are after so many steps of h that draw momenta anew, each with the noise of its number.
+#[cold]
+#[inline(never)]
+pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
+    system: &Y,
+    renewal: Renewal,
+    h: f64,
+    noise: &dyn Fn(u64) -> Noise,
+    steps: u64,
+    places: &[Body<f64, D>],
+) -> Result<Moved<D>, Failure> {
+    let mut bodies = system.bodies(&in_lanes(places), 0.0);
+    for number in 0..steps {
+        if number > 0 {
+            system.refresh(&mut bodies); // as where a run is divided: bits depend on no division
+        }
+        bodies.noise = noise(number);
+        let start = bodies.saved();
+        brownian::step(renewal, h, system, &mut bodies, &mut ())?;
+        system.check_kinks(&start, &bodies)?;
+    }
+    Ok((out_of_lanes(&bodies.all()), 0.0))
+}
 
 /// What a thread works on, at a place of the same kind each time.
 #[repr(C, align(4096))]
@@ -212,8 +228,7 @@ where
                 let start = block.q;
                 draw(lanes, block, now);
                 lead(block, &laws, &lanes.drift, lanes.renewal.kick);
-                // Why a lane cannot be moved, it says by itself.
-                step(block, &laws, &[lanes.drift], scratch).map_err(|of| Stuck { failure: None, ..of })?;
+                step(block, &laws, &[lanes.drift], scratch)?;
                 if const { !X::Constraint::KINKS.is_empty() } {
                     crossings(&laws, &start, &block.q)?;
                 }
@@ -238,7 +253,7 @@ fn forget<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
     (block.guess, block.past) = (zero, [zero; 2]);
 }
 
-/// Draws the momenta of all lanes for the step after so many, along the surface.
+/// Draws the momenta of all lanes for the step after so many; the kick that follows has them be along the surface.
 #[inline(always)]
 fn draw<S: Lane, X, const L: usize, const D: usize, const SUMS: usize>(
     lanes: &RenewedLanes<S, X, L, D, SUMS>,
@@ -250,30 +265,9 @@ fn draw<S: Lane, X, const L: usize, const D: usize, const SUMS: usize>(
     for (draw, four) in (0..).zip(noise.chunks_mut(4)) {
         rhythm.draw(&[*seed; L], (0, 0, steps), draw, four);
     }
-    along(*deviation, &noise, &block.normal, &block.square, &mut block.way, &mut block.way_low);
-}
-
-/// So many times these numbers, made momenta along the surface.
-#[inline(always)]
-fn along<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
-    deviation: f64,
-    noise: &Vectors<Fused<f64>, L, D>,
-    normal: &Vectors<S, L, D>,
-    square: &[S; L],
-    p: &mut Vectors<S, L, D>,
-    low: &mut [Vectors<S, L, D>; SUMS],
-) {
-    for l in 0..L {
-        let n = at(normal, l);
-        let mut drawn = [S::default(); D];
-        for d in 0..D {
-            drawn[d] = S::from_f64(deviation * noise[d][l].0);
-        }
-        let back = scaled(-dot(&n, &drawn) / square[l], &n);
-        let (high, rest) = two_sum(&drawn, &back);
-        put(p, l, high);
-        if SUMS == 1 {
-            put(&mut low[0], l, rest);
+    for d in 0..D {
+        for l in 0..L {
+            block.way[d][l] = S::from_f64(*deviation * noise[d][l].0);
         }
     }
 }

@@ -26,6 +26,8 @@ pub(super) struct Rhythm<const W: usize> {
     pub(super) after: usize,
     /// Whether they act once in a step, not in two halves.
     pub(super) at_once: bool,
+    /// Whether they draw momenta anew, which are forgotten after each step.
+    pub(super) renews: bool,
     /// The step, and the time for which flows act each time.
     h: f64,
     pub(super) time: f64,
@@ -39,7 +41,12 @@ impl<const W: usize> Rhythm<W> {
     pub(super) fn of(after: usize, h: f64, once: bool, changes: bool) -> Self {
         let at_once = after > 0 && once;
         let time = if at_once { h } else { 0.5 * h };
-        Self { after, at_once, h, time, changes, draws: [Draws::default(); W] }
+        Self { after, at_once, renews: false, h, time, changes, draws: [Draws::default(); W] }
+    }
+
+    /// Of momenta that are drawn anew before each step of h.
+    pub(super) fn renewing(h: f64) -> Self {
+        Self { renews: true, ..Self::of(0, h, false, false) }
     }
 
     /// Has lane `to` draw what lane `from` does.

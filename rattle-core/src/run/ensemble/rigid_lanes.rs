@@ -11,6 +11,7 @@ use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls};
 use crate::run::ensemble::linked_going::Width;
+use crate::run::ensemble::renewed_lanes;
 use crate::run::ensemble::rigid_going::Turns;
 use crate::run::ensemble::rigid_row::{Course, Inertia, RigidRow, Rotor, Steps, Three, Weights, push};
 use crate::run::ensemble::rigid_stirring::{Question, RotorStirring, StirredSteps, answer};
@@ -71,10 +72,14 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
             inertia.put(lane, &rigid[of(lane)].moments().map(Fused));
         }
         let system: [usize; W] = from_fn(|lane| if lane < systems.len() { lane } else { 0 });
-        let stirring = RotorStirring::of(|lane| &systems[system[lane]], &method).map(Box::new);
+        let of_lane = |lane: usize| &systems[system[lane]];
+        let stirring = match method.renewal {
+            Some(renewal) => Some(RotorStirring::renewing(of_lane, renewal, method.h)),
+            None => RotorStirring::of(of_lane, &method),
+        };
         Self {
-            work: if stirring.is_some() { vec![0.0; W] } else { Vec::new() },
-            stirring,
+            work: if const { Y::FLOWS > 0 } { vec![0.0; W] } else { Vec::new() },
+            stirring: stirring.map(Box::new),
             system,
             systems,
             inertia,
@@ -142,6 +147,10 @@ where
         W
     }
 
+    fn divides(&self) -> bool {
+        self.method.renewal.is_none()
+    }
+
     fn boxed(&self) -> Box<dyn Engine<D>> {
         Box::new(self.clone())
     }
@@ -157,11 +166,11 @@ where
         while let Some(Leg { from, steps, written, .. }) = tour.next() {
             let (course, bodies, kicks) = (self.course(), &mut bodies[..], &mut kicks[..]);
             let pulling = room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<RigidRow, W>);
-            if const { Y::FLOWS > 0 }
-                && let Some(stirring) = &self.stirring
-            {
+            if let Some(stirring) = &self.stirring {
                 let answer = &mut |question: Question<'_, W>, changes: &mut [Three<W>]| {
-                    answer(|lane| self.system(lane), &stirring.rhythm, question, changes);
+                    if const { Y::FLOWS > 0 } {
+                        answer(|lane| self.system(lane), &stirring.rhythm, question, changes);
+                    }
                 };
                 let (work, kick) = (&mut work[..], self.method.stirred_kick);
                 Width::stir(StirredSteps {
@@ -210,7 +219,7 @@ where
             put(&mut rotor.guess, lane, rest.map(Fused));
             rotor.past.iter_mut().for_each(|past| put(past, lane, rest.map(|x| Fused(before * x))));
         }
-        holds
+        holds || self.method.renewal.is_some() // momenta of a start are nothing to a step that draws others
     }
 
     fn copy(&mut self, from: usize, to: usize) {
@@ -270,6 +279,17 @@ where
         place: &mut u64,
     ) -> Result<Moved<D>, Failure> {
         let (system, stages) = (self.system(lane), &self.method.stages);
+        if let (Some(renewal), Some(stirring)) = (self.method.renewal, &self.stirring) {
+            let noise = |number| stirring.rhythm.noise(lane, from + number);
+            return renewed_lanes::by_itself::<f64, _, D>(
+                system,
+                renewal,
+                self.method.h,
+                &noise,
+                steps,
+                bodies,
+            );
+        }
         if const { Y::FLOWS > 0 }
             && let Some(stirring) = &self.stirring
         {

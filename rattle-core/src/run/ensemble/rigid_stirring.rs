@@ -12,6 +12,7 @@ use crate::effect::interval::{Half, Rule};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
+use crate::motion::method::Renewal;
 use crate::motion::parts::Given;
 use crate::motion::system::System;
 use crate::number::instructions::Work;
@@ -78,14 +79,34 @@ impl<const W: usize> RotorStirring<W> {
                 (0..W).map(|l| lane(l).effects().ornstein_uhlenbeck(flow, rhythm.time)).collect();
             processes.map_or(Stir::Asked, |lanes| Stir::Bath(Bath::of(&lanes)))
         });
+        let flows = flows.collect();
+        Some(Self::acting(lane, flows, rhythm))
+    }
+
+    /// What draws the momenta of lanes of these systems anew. Momenta are forgotten before.
+    pub(super) fn renewing<'a, Y: System<f64, D>, const D: usize>(
+        lane: impl Fn(usize) -> &'a Y,
+        renewal: Renewal,
+        h: f64,
+    ) -> Self {
+        let bath = Stir::Bath(Bath::of(&[renewal.process(); W]));
+        Self::acting(lane, vec![bath], Rhythm::renewing(h))
+    }
+
+    /// These flows.
+    fn acting<'a, Y: System<f64, D>, const D: usize>(
+        lane: impl Fn(usize) -> &'a Y,
+        flows: Vec<Stir<W>>,
+        rhythm: Rhythm<W>,
+    ) -> Self {
         let of_each = |of: &dyn Fn(&Y, usize) -> f64| from_fn(|k| Lanes(from_fn(|l| Fused(of(lane(l), k)))));
         let unit = |k: usize| from_fn(|i| if i == k { 1.0 } else { 0.0 });
-        Some(Self {
-            flows: flows.collect(),
+        Self {
+            flows,
             root: of_each(&|system, k| system.inertia().root(0, &unit(k))[k]),
             over: of_each(&|system, k| system.inertia().velocity(0, &unit(k))[k]),
             rhythm,
-        })
+        }
     }
 
     /// Has lane `to` be stirred as lane `from` is.
@@ -198,8 +219,11 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
     #[inline(always)]
     fn run(mut self) -> Result<(), Stuck> {
         let (course, from, end) = (self.course, self.from, self.from + self.steps);
-        let &Rhythm { after, at_once, .. } = &self.stirring.rhythm;
+        let &Rhythm { after, at_once, renews, .. } = &self.stirring.rhythm;
         let mut row = Row::new(course);
+        if renews && from == 0 && end > 0 {
+            forget(self.bodies);
+        }
         for steps in from..end {
             if after == 0 {
                 self.act(Half::Before, steps);
@@ -214,7 +238,9 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
                     self.act(Half::Before, steps);
                 }
             }
-            if after == 0 {
+            if renews {
+                forget(self.bodies);
+            } else if after == 0 {
                 self.act(Half::After, steps);
             }
         }
@@ -245,6 +271,15 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
             work: self.work,
             answer: self.answer,
         });
+    }
+}
+
+/// Forgets momenta, and what was guessed from them.
+#[inline(always)]
+fn forget<const W: usize>(bodies: &mut [Rotor<W>]) {
+    let three = [zeros(); 3];
+    for Rotor { way, way_low, guess, past, .. } in bodies {
+        (*way, *way_low, *guess, *past) = (three, three, three, [three; 2]);
     }
 }
 

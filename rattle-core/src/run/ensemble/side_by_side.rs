@@ -283,8 +283,9 @@ impl<const D: usize> SideBySide<D> {
         let (bodies, mut place) = (self.bodies_in(lane), 0);
         let mut moved =
             |parts: u32| self.engine.by_itself(lane, &bodies, self.steps, steps, parts, &mut place);
-        // Flows that act in parts of a step draw what comes after that of the whole step.
-        let failure = failure.filter(|_| self.engine.work(lane).is_none());
+        // Flows that act in parts of a step draw what comes after that of the whole step. Of momenta that are drawn it
+        // is said by itself why they lead nowhere.
+        let failure = failure.filter(|_| self.engine.work(lane).is_none() && self.engine.divides());
         let mut failure = match failure.map_or_else(|| moved(1), Err) {
             Ok(moved) => return Ok(moved),
             Err(failure) => failure,

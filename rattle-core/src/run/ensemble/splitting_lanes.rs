@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
-use crate::motion::method::Stage;
+use crate::motion::method::{Renewal, Stage};
 use crate::motion::parts::BodiesOf;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::stir::{in_the_middle, stir};
@@ -22,6 +22,7 @@ use crate::run::ensemble::crossing::{crossings, kink};
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::loops::step;
+use crate::run::ensemble::renewed_lanes;
 use crate::run::ensemble::stirred::{Stirs, limit, look_around, stirred_step};
 use crate::run::ensemble::stirring::Stirring;
 use crate::run::fingerprint::beside;
@@ -246,12 +247,21 @@ pub(super) struct Splits {
     /// kick that follows the half before.
     pub(super) stirs_after: usize,
     pub(super) stirred_kick: f64,
+    /// The momenta that each step draws instead, if it does.
+    pub(super) renewal: Option<Renewal>,
 }
 
 impl Splits {
     pub(super) fn new(stages: &[Stage], h: f64, equal: bool, sums: bool, set: Fusing) -> Self {
         let parts = if equal { Part::of::<true>(stages) } else { Part::of::<false>(stages) };
-        Self { stages: stages.to_vec(), parts, h, equal, sums, set, stirs_after: 0, stirred_kick: 0.0 }
+        let stages = stages.to_vec();
+        Self { stages, parts, h, equal, sums, set, stirs_after: 0, stirred_kick: 0.0, renewal: None }
+    }
+
+    /// A step that draws momenta anew.
+    pub(super) fn renewed(renewal: Renewal, h: f64, sums: bool, set: Fusing) -> Self {
+        let stage = Stage { before: renewal.kick, h, after: 0.0 };
+        Self { renewal: Some(renewal), ..Self::new(&[stage], h, false, sums, set).stirred(0) }
     }
 
     /// The same where flows act after so many stages. Where half of them act before each step, momenta are ahead by no
@@ -265,7 +275,8 @@ impl Splits {
     }
 
     pub(super) fn hallmark(&self) -> Hallmark {
-        hallmark(&self.stages)
+        self.renewal
+            .map_or_else(|| hallmark(&self.stages), |renewal| renewed_lanes::hallmark(renewal, self.h))
     }
 }
 
