@@ -15,11 +15,10 @@
 //!
 //! * one body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position Verlet, symplectic
 //!   Euler, Geodesic RATTLE, a composition of one of them, [`Baoab`](crate::methods::baoab::Baoab), a Lobatto
-//!   method, [`Dop853`](crate::methods::dop853::Dop853), [`Taylor`](crate::methods::taylor::Taylor) or
-//!   [`Brownian`](crate::methods::brownian::Brownian); except for the last four also with
-//!   [flows](crate::effect::Flow) of momenta, such as heat, drag and magnetic fields, unless they
+//!   method, [`Dop853`](crate::methods::dop853::Dop853) or [`Taylor`](crate::methods::taylor::Taylor); except for the
+//!   last three also with [flows](crate::effect::Flow) of momenta, such as heat, drag and magnetic fields, unless they
 //!   [feel forces](crate::effect::Flow::FEELS_FORCES) or have a memory;
-//! * any number of linked bodies, moved by the same methods except those four, always in double precision; also
+//! * any number of linked bodies, moved by the same methods except those three, always in double precision; also
 //!   with flows of momenta, of the same kinds.
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
@@ -28,6 +27,8 @@
 //!   precision; also with flows of momenta, of the same kinds;
 //! * any number of bodies in [phase space](crate::systems::phase), of up to 16 coordinates, moved by RATTLE or a
 //!   composition of it, always in double precision with compensated sums.
+//!
+//! The first three also by [`Brownian`](crate::methods::brownian::Brownian), without flows.
 //!
 //! All other scenes and methods run as one simulation per trajectory (see
 //! [`Simulation`](crate::run::simulation::Simulation)), spread over all cores. [`Ensemble::plan`] says which, and why.

@@ -81,8 +81,8 @@ impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Scene<C, E, 
     }
 }
 
-/// Whether constraints are of a kind, and a method is a splitting or draws momenta anew. Asked where a constant is wanted: what is not asked
-/// for is then not compiled.
+/// Whether constraints are of a kind, and a method is a splitting or draws momenta anew. Asked where a constant is
+/// wanted: what is not asked for is then not compiled.
 const fn goes_as<C: Hold<D>, S: Method, const D: usize>(kind: Kind) -> bool {
     C::KIND as u8 == kind as u8 && (!matches!(S::SPLITTING, Splitting::Not) || S::RENEWS)
 }
