@@ -4,7 +4,6 @@
 //! have changed is not extrapolated. Normals are evaluated again before flows act at the start of a step, so that bits
 //! depend on no division of a run.
 
-use crate::effect::interval::Half;
 use crate::number::instructions::Work;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
@@ -12,7 +11,7 @@ use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::linked_plan::{LinkedPlan, Places};
 use crate::run::ensemble::linked_row::{Apart, Course, LinkedRow};
 use crate::run::ensemble::linked_stirring::{Answer, RowStirring};
-use crate::run::ensemble::rhythm::{Rhythm, When};
+use crate::run::ensemble::rhythm::{InRhythm, When};
 use crate::run::ensemble::stirred::LARGER;
 use crate::solve::crowd::EVERY;
 use crate::systems::network::in_lanes::{Numbers, zeros};
@@ -44,7 +43,7 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
     fn run(mut self) -> Result<(), Stuck> {
         let (from, end, looks) = (self.from, self.from + self.steps, self.looks);
         let Places { q, trial, way, .. } = self.course.plan.places;
-        let n = self.course.plan.coordinates;
+        let (stirring, n, parts) = (self.stirring, self.course.plan.coordinates, self.course.parts.len());
         self.numbers.copy_within(q..q + n, trial); // where pinned bodies stay
         if from == 0 && end > 0 {
             if self.stirring.rhythm.renews {
@@ -54,7 +53,7 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
         }
         self.evaluate();
         for now in from..end {
-            self.step(now)?;
+            stirring.rhythm.step(&mut self, now, parts)?;
             let taken = now + 1;
             if taken % EVERY == 0 {
                 self.course.rest(self.numbers);
@@ -70,37 +69,38 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
     }
 }
 
-impl<const W: usize> StirredSteps<'_, '_, W> {
-    /// A step of the method with flows, after so many.
+impl<const W: usize> InRhythm for StirredSteps<'_, '_, W> {
     #[inline(always)]
-    fn step(&mut self, steps: u64) -> Result<(), Stuck> {
-        let (course, &Rhythm { after, at_once, .. }) = (self.course, &self.stirring.rhythm);
-        let around = after == 0;
-        if around {
-            self.act(Half::Before, steps)?;
-            self.lead();
-            self.heed()?;
-        }
-        for (i, part) in course.parts.iter().enumerate() {
-            course.advance(part, self.numbers, &mut self.pulling, self.apart)?;
-            if i + 1 == after {
-                if !at_once {
-                    self.act(Half::After, steps)?;
-                }
-                self.act(Half::Before, steps)?;
-                self.guess_nothing();
-                self.heed()?;
-            }
-        }
-        match around {
-            true if self.stirring.rhythm.renews => self.forget(),
-            true => self.act(Half::After, steps)?,
-            false => {}
-        }
-        Ok(())
+    fn act(&mut self, when: When) -> Result<(), Stuck> {
+        let Self { course, stirring, numbers, work, answer, .. } = self;
+        let acted = stirring.act(course, when, numbers, work, answer);
+        acted.map_err(|lane| Stuck { lane, failure: None })
     }
 
-    /// Forgets momenta, and what was guessed from them.
+    #[inline(always)]
+    fn lead(&mut self) -> Result<(), Stuck> {
+        let Self { course, kick, numbers, pulling, .. } = self;
+        if *kick != 0.0 && pulling.is_some() {
+            let Places { way, way_low, .. } = course.plan.places;
+            course.kick(*kick, if course.sums { way_low } else { way }, numbers, pulling);
+            course.project(numbers);
+        }
+        self.guess(0)
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, part: usize, _: u64) -> Result<(), Stuck> {
+        let Self { course, numbers, pulling, apart, .. } = self;
+        course.advance(&course.parts[part], numbers, pulling, *apart)
+    }
+
+    #[inline(always)]
+    fn guess(&mut self, _: usize) -> Result<(), Stuck> {
+        let guess = self.course.plan.places.guess;
+        self.numbers[guess..guess + self.course.plan.equations].fill(zeros());
+        self.heed()
+    }
+
     #[inline(always)]
     fn forget(&mut self) {
         let LinkedPlan { coordinates, equations, places, .. } = self.course.plan;
@@ -113,38 +113,15 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
             self.numbers[numbers..numbers + equations].fill(zeros());
         }
     }
+}
 
+impl<const W: usize> StirredSteps<'_, '_, W> {
     /// Evaluates G where bodies are, as each step leaves it.
     #[inline(always)]
     fn evaluate(&mut self) {
         let Self { course, numbers, .. } = self;
         course.links.gradients(course.plan, course.set, course.plan.places.q, numbers);
         course.plan.lift(course.over, numbers);
-    }
-
-    #[inline(always)]
-    fn act(&mut self, half: Half, steps: u64) -> Result<(), Stuck> {
-        let Self { course, stirring, numbers, work, answer, .. } = self;
-        let acted = stirring.act(course, When { half, steps }, numbers, work, answer);
-        acted.map_err(|lane| Stuck { lane, failure: None })
-    }
-
-    /// Kicks all lanes before the step to come.
-    #[inline(always)]
-    fn lead(&mut self) {
-        let Self { course, kick, numbers, pulling, .. } = self;
-        if *kick != 0.0 && pulling.is_some() {
-            let Places { way, way_low, .. } = course.plan.places;
-            course.kick(*kick, if course.sums { way_low } else { way }, numbers, pulling);
-            course.project(numbers);
-        }
-        self.guess_nothing();
-    }
-
-    #[inline(always)]
-    fn guess_nothing(&mut self) {
-        let guess = self.course.plan.places.guess;
-        self.numbers[guess..guess + self.course.plan.equations].fill(zeros());
     }
 
     /// Asks whether other sheets are near, after so many steps, and sets limits.

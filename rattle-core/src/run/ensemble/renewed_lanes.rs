@@ -22,8 +22,8 @@ use crate::run::ensemble::crossing::crossings;
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::loops::step;
-use crate::run::ensemble::rhythm::Rhythm;
-use crate::run::ensemble::splitting_lanes::{in_lanes, out_of_lanes};
+use crate::run::ensemble::rhythm::{InRhythm, Rhythm, When};
+use crate::run::ensemble::splitting_lanes::{in_lanes, of_renewal, out_of_lanes};
 use crate::run::ensemble::stirred::lead;
 use crate::run::ensemble::stirring::DEVIATIONS;
 use crate::solve::crowd::EVERY;
@@ -155,17 +155,11 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        hallmark(self.renewal, self.h)
+        of_renewal(self.renewal, self.h)
     }
 }
 
 answered_by_laws!(RenewedLanes);
-
-/// What tells a method that draws these momenta anew from others.
-pub(super) fn hallmark(Renewal { seed, deviation, kick }: Renewal, h: f64) -> Hallmark {
-    let seed = [(seed >> 32) as f64, (seed & 0xFFFF_FFFF) as f64];
-    Hallmark::new("method", "momenta drawn anew", vec![h, deviation, kick, seed[0], seed[1]])
-}
 
 /// Where bodies are after so many steps of h that draw momenta anew, each with the noise of its number.
 #[cold]
@@ -198,6 +192,16 @@ struct Desk<S, const L: usize, const D: usize, const SUMS: usize> {
     scratch: Scratch<S, L, D>,
 }
 
+/// Forgets momenta, and what was guessed from them.
+#[inline(always)]
+fn forget<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
+    block: &mut Block<S, L, D, SUMS, false>,
+) {
+    let zero = [S::default(); L];
+    (block.way, block.way_low) = ([zero; D], [[zero; D]; SUMS]);
+    (block.guess, block.past) = (zero, [zero; 2]);
+}
+
 /// A block on a tour.
 struct Going<'a, S, X, const L: usize, const D: usize, const SUMS: usize> {
     lanes: &'a RenewedLanes<S, X, L, D, SUMS>,
@@ -226,13 +230,10 @@ where
                     lanes.look_around(block, &laws, now)?;
                 }
                 let start = block.q;
-                draw(lanes, block, now);
-                lead(block, &laws, &lanes.drift, lanes.renewal.kick);
-                step(block, &laws, &[lanes.drift], scratch)?;
+                lanes.rhythm.step(&mut Stepping { lanes, laws: &laws, block, scratch }, now, 1)?;
                 if const { !X::Constraint::KINKS.is_empty() } {
                     crossings(&laws, &start, &block.q)?;
                 }
-                forget(block);
             }
             if let Some(written) = written {
                 let (q, p) = block.all(&laws, &[lanes.drift]);
@@ -243,31 +244,52 @@ where
     }
 }
 
-/// Forgets momenta, and what was guessed from them.
-#[inline(always)]
-fn forget<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
-    block: &mut Block<S, L, D, SUMS, false>,
-) {
-    let zero = [S::default(); L];
-    (block.way, block.way_low) = ([zero; D], [[zero; D]; SUMS]);
-    (block.guess, block.past) = (zero, [zero; 2]);
+/// A step of a block.
+struct Stepping<'a, S, X, const L: usize, const D: usize, const SUMS: usize> {
+    lanes: &'a RenewedLanes<S, X, L, D, SUMS>,
+    laws: &'a X,
+    block: &'a mut Block<S, L, D, SUMS, false>,
+    scratch: &'a mut Scratch<S, L, D>,
 }
 
-/// Draws the momenta of all lanes for the step after so many; the kick that follows has them be along the surface.
-#[inline(always)]
-fn draw<S: Lane, X, const L: usize, const D: usize, const SUMS: usize>(
-    lanes: &RenewedLanes<S, X, L, D, SUMS>,
-    block: &mut Block<S, L, D, SUMS, false>,
-    steps: u64,
-) {
-    let RenewedLanes { renewal: Renewal { seed, deviation, .. }, rhythm, .. } = lanes;
-    let mut noise: Vectors<Fused<f64>, L, D> = [[Fused(0.0); L]; D];
-    for (draw, four) in (0..).zip(noise.chunks_mut(4)) {
-        rhythm.draw(&[*seed; L], (0, 0, steps), draw, four);
-    }
-    for d in 0..D {
-        for l in 0..L {
-            block.way[d][l] = S::from_f64(*deviation * noise[d][l].0);
+impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize> InRhythm
+    for Stepping<'_, S, X, L, D, SUMS>
+{
+    /// Draws momenta; the kick that follows has them be along the surface.
+    #[inline(always)]
+    fn act(&mut self, When { steps, .. }: When) -> Result<(), Stuck> {
+        let RenewedLanes { renewal: Renewal { seed, deviation, .. }, rhythm, .. } = self.lanes;
+        let mut noise: Vectors<Fused<f64>, L, D> = [[Fused(0.0); L]; D];
+        for (draw, four) in (0..).zip(noise.chunks_mut(4)) {
+            rhythm.draw(&[*seed; L], (0, 0, steps), draw, four);
         }
+        for d in 0..D {
+            for l in 0..L {
+                self.block.way[d][l] = S::from_f64(*deviation * noise[d][l].0);
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn lead(&mut self) -> Result<(), Stuck> {
+        lead(self.block, self.laws, &self.lanes.drift, self.lanes.renewal.kick);
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, _: usize, _: u64) -> Result<(), Stuck> {
+        step(self.block, self.laws, &[self.lanes.drift], self.scratch)
+    }
+
+    /// Nothing acts between parts.
+    #[inline(always)]
+    fn guess(&mut self, _: usize) -> Result<(), Stuck> {
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn forget(&mut self) {
+        forget(self.block);
     }
 }

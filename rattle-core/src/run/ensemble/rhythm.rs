@@ -1,4 +1,5 @@
-//! When flows act on trajectories side by side, and what their lanes draw.
+//! When flows act on trajectories side by side, and what their lanes draw: the same for bodies on surfaces, linked and
+//! rigid ones.
 
 use crate::effect::interval::Half;
 use crate::effect::noise::Noise;
@@ -7,7 +8,7 @@ use crate::number::clock::after_steps;
 use crate::number::lanes::{Fused, Lanes};
 use crate::number::philox::unit;
 use crate::number::real::Real;
-use crate::run::ensemble::engine::Draws;
+use crate::run::ensemble::engine::{Draws, Stuck};
 use crate::systems::network::in_lanes::{Number, Numbers};
 use std::array::from_fn;
 use std::f64::consts::TAU;
@@ -19,13 +20,28 @@ pub(super) struct When {
     pub(super) steps: u64,
 }
 
+/// What moves in the rhythm of flows.
+pub(super) trait InRhythm {
+    /// Has all flows act in all lanes.
+    fn act(&mut self, when: When) -> Result<(), Stuck>;
+    /// Kicks all lanes before a step, after flows have acted, and makes its first guesses: what flows have changed is
+    /// not extrapolated.
+    fn lead(&mut self) -> Result<(), Stuck>;
+    /// Moves all lanes through this part of the step after so many.
+    fn advance(&mut self, part: usize, steps: u64) -> Result<(), Stuck>;
+    /// Makes first guesses for this part, before which flows have acted.
+    fn guess(&mut self, part: usize) -> Result<(), Stuck>;
+    /// Forgets momenta, and what was guessed from them.
+    fn forget(&mut self);
+}
+
 /// When flows act in a step, and the random numbers of the lanes.
 #[derive(Clone)]
 pub(super) struct Rhythm<const W: usize> {
     /// After how many parts of a step flows act; 0 where half of them act before the step and half after it.
     pub(super) after: usize,
     /// Whether they act once in a step, not in two halves.
-    pub(super) at_once: bool,
+    at_once: bool,
     /// Whether they draw momenta anew, which are forgotten after each step.
     pub(super) renews: bool,
     /// The step, and the time for which flows act each time.
@@ -47,6 +63,32 @@ impl<const W: usize> Rhythm<W> {
     /// Of momenta that are drawn anew before each step of h.
     pub(super) fn renewing(h: f64) -> Self {
         Self { renews: true, ..Self::of(0, h, false, false) }
+    }
+
+    /// Moves lanes through the step after so many, which has so many parts.
+    #[inline(always)]
+    pub(super) fn step(&self, lanes: &mut impl InRhythm, steps: u64, parts: usize) -> Result<(), Stuck> {
+        let [before, after] = [Half::Before, Half::After].map(|half| When { half, steps });
+        if self.after == 0 {
+            lanes.act(before)?;
+            lanes.lead()?;
+        }
+        for part in 0..parts {
+            lanes.advance(part, steps)?;
+            if part + 1 == self.after {
+                if !self.at_once {
+                    lanes.act(after)?;
+                }
+                lanes.act(before)?;
+                lanes.guess((part + 1) % parts)?;
+            }
+        }
+        if self.renews {
+            lanes.forget();
+        } else if self.after == 0 {
+            lanes.act(after)?;
+        }
+        Ok(())
     }
 
     /// Has lane `to` draw what lane `from` does.

@@ -20,7 +20,7 @@ use crate::number::lanes::{Fused, Lanes};
 use crate::number::real::Real;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
-use crate::run::ensemble::rhythm::{Bath, Rhythm, When};
+use crate::run::ensemble::rhythm::{Bath, InRhythm, Rhythm, When};
 use crate::run::ensemble::rigid_row::{Course, RigidRow, Rotor, Row, Three, finite, push};
 use crate::run::ensemble::splitting_lanes::Splits;
 use crate::systems::network::in_lanes::{Numbers, at, zeros};
@@ -218,68 +218,64 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
 
     #[inline(always)]
     fn run(mut self) -> Result<(), Stuck> {
-        let (course, from, end) = (self.course, self.from, self.from + self.steps);
-        let &Rhythm { after, at_once, renews, .. } = &self.stirring.rhythm;
-        let mut row = Row::new(course);
-        if renews && from == 0 && end > 0 {
-            forget(self.bodies);
+        let (rhythm, from, end) = (&self.stirring.rhythm, self.from, self.from + self.steps);
+        let (row, parts) = (Row::new(self.course), self.course.parts.len());
+        let mut stepping = Stepping { row, steps: &mut self };
+        if rhythm.renews && from == 0 && end > 0 {
+            stepping.forget();
         }
         for steps in from..end {
-            if after == 0 {
-                self.act(Half::Before, steps);
-                self.kick_all(self.kick);
-            }
-            for i in 0..course.parts.len() {
-                row.advance(i, steps + 1, self.bodies, self.kicks, &mut self.pulling)?;
-                if i + 1 == after {
-                    if !at_once {
-                        self.act(Half::After, steps);
-                    }
-                    self.act(Half::Before, steps);
-                }
-            }
-            if renews {
-                forget(self.bodies);
-            } else if after == 0 {
-                self.act(Half::After, steps);
-            }
+            rhythm.step(&mut stepping, steps, parts)?;
         }
         finite(self.bodies)
     }
 }
 
-impl<const W: usize> StirredSteps<'_, '_, W> {
-    /// Kicks all lanes for so long.
-    #[inline(always)]
-    fn kick_all(&mut self, kick: f64) {
-        let Self { course, pulling: Some(pulling), bodies, kicks, .. } = self else { return };
-        if kick != 0.0 {
-            pulling.pull(course.set, kick, (bodies, kicks));
-            add(course.sums, kicks, bodies);
-        }
-    }
-
-    /// Has all flows act in all lanes.
-    #[inline(always)]
-    fn act(&mut self, half: Half, steps: u64) {
-        self.course.set.run(Acting {
-            stirring: self.stirring,
-            sums: self.course.sums,
-            when: When { half, steps },
-            bodies: self.bodies,
-            changes: self.kicks,
-            work: self.work,
-            answer: self.answer,
-        });
-    }
+/// Steps, and the row that takes them.
+struct Stepping<'a, 'b, 'c, const W: usize> {
+    steps: &'c mut StirredSteps<'a, 'b, W>,
+    row: Row<'a, W>,
 }
 
-/// Forgets momenta, and what was guessed from them.
-#[inline(always)]
-fn forget<const W: usize>(bodies: &mut [Rotor<W>]) {
-    let three = [zeros(); 3];
-    for Rotor { way, way_low, guess, past, .. } in bodies {
-        (*way, *way_low, *guess, *past) = (three, three, three, [three; 2]);
+impl<const W: usize> InRhythm for Stepping<'_, '_, '_, W> {
+    #[inline(always)]
+    fn act(&mut self, when: When) -> Result<(), Stuck> {
+        let StirredSteps { course, stirring, bodies, kicks: changes, work, answer, .. } = &mut *self.steps;
+        let sums = course.sums;
+        course.set.run(Acting { stirring, sums, when, bodies, changes, work, answer: *answer });
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn lead(&mut self) -> Result<(), Stuck> {
+        let StirredSteps { course, pulling, bodies, kicks, kick, .. } = &mut *self.steps;
+        if let Some(pulling) = pulling
+            && *kick != 0.0
+        {
+            pulling.pull(course.set, *kick, (bodies, kicks));
+            add(course.sums, kicks, bodies);
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, part: usize, steps: u64) -> Result<(), Stuck> {
+        let StirredSteps { bodies, kicks, pulling, .. } = &mut *self.steps;
+        self.row.advance(part, steps + 1, bodies, kicks, pulling)
+    }
+
+    /// Those from the steps before: a flow changes rotations little.
+    #[inline(always)]
+    fn guess(&mut self, _: usize) -> Result<(), Stuck> {
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn forget(&mut self) {
+        let three = [zeros(); 3];
+        for Rotor { way, way_low, guess, past, .. } in &mut *self.steps.bodies {
+            (*way, *way_low, *guess, *past) = (three, three, three, [three; 2]);
+        }
     }
 }
 

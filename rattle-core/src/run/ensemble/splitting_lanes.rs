@@ -22,7 +22,6 @@ use crate::run::ensemble::crossing::{crossings, kink};
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::loops::step;
-use crate::run::ensemble::renewed_lanes;
 use crate::run::ensemble::stirred::{Stirs, limit, look_around, stirred_step};
 use crate::run::ensemble::stirring::Stirring;
 use crate::run::fingerprint::beside;
@@ -275,14 +274,19 @@ impl Splits {
     }
 
     pub(super) fn hallmark(&self) -> Hallmark {
-        self.renewal
-            .map_or_else(|| hallmark(&self.stages), |renewal| renewed_lanes::hallmark(renewal, self.h))
+        self.renewal.map_or_else(|| hallmark(&self.stages), |renewal| of_renewal(renewal, self.h))
     }
 }
 
 /// What tells a splitting from others.
 pub(super) fn hallmark(stages: &[Stage]) -> Hallmark {
     Hallmark::new("method", "a splitting", Stage::numbers(stages))
+}
+
+/// What tells a method that draws these momenta anew from others.
+pub(super) fn of_renewal(Renewal { seed, deviation, kick }: Renewal, h: f64) -> Hallmark {
+    let seed = [(seed >> 32) as f64, (seed & 0xFFFF_FFFF) as f64];
+    Hallmark::new("method", "momenta drawn anew", vec![h, deviation, kick, seed[0], seed[1]])
 }
 
 /// These stages, of which the first has no kick before it.

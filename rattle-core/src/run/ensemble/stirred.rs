@@ -1,6 +1,5 @@
 //! Steps in lanes with flows of momenta, and when it is asked whether other sheets are near.
 
-use crate::effect::interval::Half;
 use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::instructions::Fusing;
@@ -11,7 +10,7 @@ use crate::run::ensemble::block::{Block, Part, Scratch};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
-use crate::run::ensemble::rhythm::Rhythm;
+use crate::run::ensemble::rhythm::{InRhythm, When};
 use crate::run::ensemble::stirring::{Asking, Stirred, Stirring};
 use std::borrow::Borrow;
 
@@ -94,52 +93,58 @@ where
     S: Lane,
     X: Laws<S, D>,
 {
-    let Rhythm { after, at_once, .. } = stirs.stirring.rhythm;
-    let around = after == 0;
-    if around {
-        act(block, laws, stirs, Half::Before, steps)?;
-        lead(block, laws, &parts[0], stirs.kick);
-        heed(block, laws, parts, stirs)?;
-    }
-    for done in 1..=parts.len() {
-        step(block, laws, parts, scratch)?;
-        if done == after {
-            if !at_once {
-                act(block, laws, stirs, Half::After, steps)?;
-            }
-            act(block, laws, stirs, Half::Before, steps)?;
-            lead(block, laws, &parts[done % parts.len()], 0.0);
-            heed(block, laws, parts, stirs)?;
-        }
-    }
-    if around {
-        act(block, laws, stirs, Half::After, steps)?;
-    }
-    Ok(())
+    let rhythm = &stirs.stirring.rhythm;
+    rhythm.step(&mut Stepping { block, scratch, laws, parts, stirs }, steps, parts.len())
 }
 
-/// Has all flows act in all lanes, for this half of a step after so many.
-#[inline(always)]
-fn act<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    block: &mut Block<S, L, D, SUMS, EQUAL>,
-    laws: &X,
-    stirs: &mut Stirs<'_, S, L, D>,
-    half: Half,
-    steps: u64,
-) -> Result<(), Stuck>
+/// A step of a block.
+struct Stepping<'a, 'b, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
+    block: &'a mut Block<S, L, D, SUMS, EQUAL>,
+    scratch: &'a mut Scratch<S, L, D>,
+    laws: &'a X,
+    parts: &'a [Part],
+    stirs: &'a mut Stirs<'b, S, L, D>,
+}
+
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> InRhythm
+    for Stepping<'_, '_, S, X, L, D, SUMS, EQUAL>
 where
     S: Lane,
     X: Laws<S, D>,
 {
-    let Block { q, normal, square, way: p, way_low, .. } = block;
-    let Stirs { stirring, set, ref mut work, .. } = *stirs;
-    let mut lost = [[S::default(); L]; D];
-    let low = way_low.first_mut().unwrap_or(&mut lost);
-    let stirred = Stirred { q, normal, square, p, low, work };
-    let acted = stirring.act(set, half, steps, stirred, &mut |question, changes| {
-        set.run_lanes::<L, _>(Asking { laws, stirring, question, changes });
-    });
-    acted.map_err(|lane| Stuck { lane, failure: None })
+    #[inline(always)]
+    fn act(&mut self, When { half, steps }: When) -> Result<(), Stuck> {
+        let (Block { q, normal, square, way: p, way_low, .. }, laws) = (&mut *self.block, self.laws);
+        let Stirs { stirring, set, ref mut work, .. } = *self.stirs;
+        let mut lost = [[S::default(); L]; D];
+        let low = way_low.first_mut().unwrap_or(&mut lost);
+        let stirred = Stirred { q, normal, square, p, low, work };
+        let acted = stirring.act(set, half, steps, stirred, &mut |question, changes| {
+            set.run_lanes::<L, _>(Asking { laws, stirring, question, changes });
+        });
+        acted.map_err(|lane| Stuck { lane, failure: None })
+    }
+
+    #[inline(always)]
+    fn lead(&mut self) -> Result<(), Stuck> {
+        lead(self.block, self.laws, &self.parts[0], self.stirs.kick);
+        heed(self.block, self.laws, self.parts, self.stirs)
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, _: usize, _: u64) -> Result<(), Stuck> {
+        step(self.block, self.laws, self.parts, self.scratch)
+    }
+
+    #[inline(always)]
+    fn guess(&mut self, part: usize) -> Result<(), Stuck> {
+        lead(self.block, self.laws, &self.parts[part], 0.0);
+        heed(self.block, self.laws, self.parts, self.stirs)
+    }
+
+    /// Flows never do.
+    #[inline(always)]
+    fn forget(&mut self) {}
 }
 
 /// Kicks all lanes for so long before the part of a step that is to come, and makes a first guess for that from g̈ = 0:
