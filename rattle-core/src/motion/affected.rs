@@ -37,6 +37,22 @@ pub trait Affected<T: Scalar, const D: usize>: Parts<T, D> {
         Failure::unless_finite(self.effects(), at, forces, moved)
     }
 
+    /// Books the work of a kick by potentials that change with time.
+    #[inline(always)]
+    fn book<X>(&self, kick: f64, bodies: &mut Bodies<Self::Count, T, X, D>) {
+        if self.effects().changes_with_time() && kick != 0.0 {
+            bodies.work = bodies.work + T::from_f64(kick) * bodies.power;
+        }
+    }
+
+    /// Evaluates ∂U/∂t where the forces were, for [`book`](Self::book).
+    #[inline(always)]
+    fn evaluate_power<X>(&self, bodies: &mut Bodies<Self::Count, T, X, D>) {
+        if self.effects().changes_with_time() {
+            bodies.power = self.effects().power(Moment { time: bodies.time, positions: bodies.q.as_ref() });
+        }
+    }
+
     /// Writes the changes of the momenta by flow number `number`, at the present positions and time, without
     /// constraints. Neither allocates nor panics.
     fn flow(

@@ -129,10 +129,12 @@ pub struct Bodies<N: Count, T: Scalar, X, const D: usize> {
     pub p: N::Of<[T; D]>,
     /// The rounding errors of `p`, to be added to it.
     pub p_low: N::Of<[T; D]>,
-    /// The time; used only by systems with moving constraints.
+    /// The time, which a system has pass with its drifts wherever constraints or forces change with it.
     pub time: f64,
     /// Work done by moving constraints, by flows of momenta and by impacts since the start.
     pub work: T,
+    /// ∂U/∂t by effects whose potential changes with time, with the last forces; zero where there are none.
+    pub power: T,
     /// The position in the stream of random numbers; updated only where a scene has flows, or the method
     /// [draws](crate::motion::method::Method::DRAWS).
     pub noise: Noise,
@@ -164,9 +166,9 @@ impl<N: Count, T: Scalar, X, const D: usize> Bodies<N, T, X, D> {
     pub fn new(count: N, kept: X, places: &[Body<T, D>], time: f64) -> Self {
         let zero = count.each([T::from_f64(0.0); D]);
         let (q, q_low, p, p_low) = (zero.clone(), zero.clone(), zero.clone(), zero);
-        let (work, noise) = (T::from_f64(0.0), Noise::default());
+        let (work, power, noise) = (T::from_f64(0.0), T::from_f64(0.0), Noise::default());
         let marks = Vec::new();
-        let mut bodies = Self { q, q_low, p, p_low, time, work, noise, marks, kept, room: None };
+        let mut bodies = Self { q, q_low, p, p_low, time, work, power, noise, marks, kept, room: None };
         bodies.put(&places[..count.number()]);
         bodies
     }
@@ -180,9 +182,9 @@ impl<N: Count, T: Scalar, X, const D: usize> Bodies<N, T, X, D> {
     /// A saved copy, which [`save`](Self::save) can overwrite later.
     pub fn saved(&self) -> Saved<N, T, D> {
         let (q, q_low, p, p_low) = (self.q.clone(), self.q_low.clone(), self.p.clone(), self.p_low.clone());
-        let Self { time, work, noise, .. } = *self;
+        let Self { time, work, power, noise, .. } = *self;
         let marks = self.marks.clone();
-        Bodies { q, q_low, p, p_low, time, work, noise, marks, kept: (), room: None }
+        Bodies { q, q_low, p, p_low, time, work, power, noise, marks, kept: (), room: None }
     }
 
     /// Saves positions, momenta, time and work, without allocating. The memory of effects (`marks`) is saved by

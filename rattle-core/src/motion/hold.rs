@@ -7,7 +7,8 @@ use crate::motion::bodies::Count;
 use crate::motion::state::State;
 use crate::motion::system::System;
 
-/// The constraints of a scene: a surface for each body, or a [`Network`](crate::systems::network::Network) of links.
+/// The constraints of a scene: a surface for each body, a [`Network`](crate::systems::network::Network) of links,
+/// [`Rigid`](crate::systems::rigid::Rigid) bodies, or a [`PhaseSpace`](crate::systems::phase::PhaseSpace).
 pub trait Hold<const D: usize>: Sized {
     /// The system of bodies under these constraints, with effects `E`.
     type System<E: Effects<D>, N: Count>: System<f64, D, Count = N>;
@@ -41,9 +42,11 @@ pub trait Hold<const D: usize>: Sized {
         *force
     }
 
-    /// The same constraints for `number` bodies, each with a copy of its own.
+    /// The same constraints for `number` bodies; where each has a copy of its own, `self`.
     #[must_use]
-    fn bodies(self, number: usize) -> Self;
+    fn bodies(self, _number: usize) -> Self {
+        self
+    }
 
     /// The state moved onto the constraints.
     ///

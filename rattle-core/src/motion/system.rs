@@ -9,8 +9,10 @@
 //! With c = h/2 the three in this order are a step of RATTLE; other orders and other c make the other methods. Some
 //! methods need further [capabilities](crate::motion::capability), which not every system has.
 //!
-//! [`OnSurface`](crate::systems::surface::kept::OnSurface) holds each body on a surface of its own;
-//! [`Linked`](crate::systems::linked::Linked) is for links between bodies and everything else.
+//! [`OnSurface`](crate::systems::surface::kept::OnSurface) holds each body on a surface of its own,
+//! [`Linked`](crate::systems::linked::Linked) links between bodies,
+//! [`Turning`](crate::systems::rigid::kept::Turning) rigid bodies, and
+//! [`InPhaseSpace`](crate::systems::phase::InPhaseSpace) constraints on phase space.
 
 use crate::motion::affected::Affected;
 use crate::motion::capability::{Collocation, Rates, Series};
@@ -67,7 +69,8 @@ pub trait System<T: Scalar, const D: usize>: Affected<T, D> + Guarded<T, D> + Me
     }
 
     /// Whether momenta are M v in the coordinates of the positions, and [`drift`](Self::drift) solves g(q′) = 0 along
-    /// the kept normals. Iterations other than Newton's, and `Bdf2`, are only for such systems.
+    /// the kept normals; and differences of positions are displacements. Iterations other than Newton's, contacts and
+    /// `Bdf2` are only for such systems.
     #[inline(always)]
     fn is_cartesian(&self) -> bool {
         true
@@ -76,7 +79,8 @@ pub trait System<T: Scalar, const D: usize>: Affected<T, D> + Guarded<T, D> + Me
     /// Kicks for a time `kick`, then moves for a time `h`, to positions that satisfy the constraints. Afterwards
     /// normals are those of the new positions, and forces still the old ones. Momenta must be tangent to the
     /// constraints. With `kick` 0 forces are not used. `witness` gets λ, the impulse divided by h/2. Neither allocates
-    /// nor panics.
+    /// nor panics. Time passes by `h`, at least where constraints or forces change with it, and the work of the kick is
+    /// [booked](Affected::book).
     ///
     /// The position equation is solved by iteration `X` from `guess`, which has the scale of λ above; an empty `guess`
     /// means λ from g̈ = 0. Where that fails, the equation is solved as by [`drift`](Self::drift). The result differs
@@ -108,11 +112,11 @@ pub trait System<T: Scalar, const D: usize>: Affected<T, D> + Guarded<T, D> + Me
         self.drift_by::<Newton, W>(kick, h, &[], bodies, witness)
     }
 
-    /// Evaluates the forces at the present positions.
+    /// Evaluates the forces at the present positions and time, and [their power](Affected::evaluate_power).
     fn evaluate_forces(&self, bodies: &mut BodiesOf<Self, T, D>);
 
-    /// Kicks for a time `kick`, and makes the momenta tangent to the constraints. `witness` gets μ, the impulse divided
-    /// by h/2.
+    /// Kicks for a time `kick`, whose work is [booked](Affected::book), and makes the momenta tangent to the
+    /// constraints. `witness` gets μ, the impulse divided by h/2.
     ///
     /// # Errors
     /// As [`drift`](Self::drift).

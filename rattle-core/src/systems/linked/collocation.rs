@@ -298,7 +298,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     ) {
         let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
         if self.effects.changes_with_time() {
-            let mut power = table.weights[0] * bodies.kept.power;
+            let mut power = table.weights[0] * bodies.power;
             for j in 1..S - 1 {
                 let time = bodies.time + h * table.nodes[j];
                 let at = Moment { time, positions: &stages.q[j * n..][..n] };

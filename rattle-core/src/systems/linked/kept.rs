@@ -35,8 +35,6 @@ pub struct Linked<F, N, const D: usize> {
 #[derive(Clone)]
 pub struct Kept<F: Forces<f64, D>, const D: usize> {
     pub(super) tied: Tied<F::Force, D>,
-    /// ∂U/∂t with the forces, where they change with time.
-    pub(super) power: f64,
     /// Room of the effects.
     pub(super) of_effects: F::Room,
     /// Room for a method with inner stages.
@@ -155,13 +153,6 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         self.effects.evaluate(at, room, forces);
         for &(body, _) in &self.shape.pins {
             forces[body] = F::Force::zero();
-        }
-    }
-
-    /// Books the work of a kick by potentials that change with time.
-    pub(crate) fn book(&self, kick: f64, bodies: &mut BodiesOf<F, N, D>) {
-        if self.effects.changes_with_time() && kick != 0.0 {
-            bodies.work += kick * bodies.kept.power;
         }
     }
 

@@ -23,14 +23,14 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> f
     ) -> f64 {
         let shape = &*self.shape;
         bodies.kept.tied.lend_normals(shape, bodies.time, bodies.q.as_ref());
-        let Kept { tied, power: driven, .. } = &mut bodies.kept;
+        let Kept { tied, .. } = &mut bodies.kept;
         let Tied { force, blocks, rates: moving, solvers, room, .. } = tied;
         for (body, root) in shape.roots.iter().enumerate() {
             rates[body] = force[body].components();
             room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
             room.push[body] = root.velocity(&rates[body]);
         }
-        let mut power = if self.effects.changes_with_time() { *driven } else { 0.0 };
+        let mut power = bodies.power;
         for (c, component) in shape.components.iter().enumerate() {
             let (rows, solver, (row, block)) = (&component.rows, &mut solvers[c], component.first);
             let m = rows.equations();

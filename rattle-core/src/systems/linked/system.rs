@@ -57,8 +57,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Parts<f64, D> for Linked<F, N,
 
     fn bodies(&self, places: &[Body<f64, D>], time: f64) -> BodiesOf<F, N, D> {
         let (shape, n) = (&self.shape, self.count.number());
-        let (power, of_effects) = (0.0, self.effects.room(n));
-        let kept = Kept { tied: Tied::new(shape, n), power, of_effects, stages: None, series: None };
+        let of_effects = self.effects.room(n);
+        let kept = Kept { tied: Tied::new(shape, n), of_effects, stages: None, series: None };
         let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);
         bodies
@@ -215,11 +215,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
 
     fn evaluate_forces(&self, bodies: &mut BodiesOf<F, N, D>) {
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let Kept { of_effects, tied, power, .. } = &mut bodies.kept;
-        self.forces(at, of_effects, &mut tied.force);
-        if self.effects.changes_with_time() {
-            *power = self.effects.power(at);
-        }
+        self.forces(at, &mut bodies.kept.of_effects, &mut bodies.kept.tied.force);
+        self.evaluate_power(bodies);
     }
 
     fn settle<W: Witness<f64>>(

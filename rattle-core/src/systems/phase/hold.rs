@@ -51,10 +51,6 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
         Ok(system)
     }
 
-    fn bodies(self, _: usize) -> Self {
-        self
-    }
-
     fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
         let (system, mut state) = (self.in_phase_space(crate::motion::bodies::One), state.clone());
         for (number, body) in state.bodies.iter_mut().enumerate() {

@@ -43,10 +43,6 @@ impl Hold<9> for Rigid {
         spread(&turning_part(&Self::attitude(q), &Self::attitude(force)))
     }
 
-    fn bodies(self, _: usize) -> Self {
-        self
-    }
-
     fn project(&self, state: &State<9>) -> Result<State<9>, Error> {
         let mut state = State { remembered: None, ..state.clone() };
         for (number, body) in state.bodies.iter_mut().enumerate() {

@@ -71,21 +71,10 @@ pub struct Kept<F: Forces<f64, 9>> {
     pub(super) force: Vec<F::Force>,
     /// Their torques about the centres of mass, in the frames of the bodies.
     pub(super) torque: Vec<[f64; 3]>,
-    /// ∂U/∂t with them, where forces change with time.
-    pub(super) power: f64,
     /// Room of the effects.
     pub(super) of_effects: F::Room,
     /// Room for power series.
     pub(super) series: Option<Box<SeriesRoom>>,
-}
-
-impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
-    /// Books the work of a kick by potentials that change with time.
-    pub(super) fn book(&self, kick: f64, bodies: &mut BodiesOf<F, N>) {
-        if self.effects.changes_with_time() && kick != 0.0 {
-            bodies.work += kick * bodies.kept.power;
-        }
-    }
 }
 
 pub(crate) type BodiesOf<F, N> = Bodies<N, f64, Kept<F>, 9>;

@@ -6,6 +6,7 @@ use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::{MethodFailure, StepFailure};
 use crate::kernel::series::NO_SERIES;
+use crate::motion::affected::Affected;
 use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::capability::{Never, Rates, Series};
 use crate::motion::failure::Failure;
@@ -60,7 +61,7 @@ impl<F: Forces<f64, 9>, N: Count> Parts<f64, 9> for Turning<F, N> {
     fn bodies(&self, places: &[Body<f64, 9>], time: f64) -> BodiesOf<F, N> {
         let n = self.count.number();
         let (force, of_effects) = (vec![F::Force::zero(); n], self.effects.room(n));
-        let kept = Kept { force, torque: vec![[0.0; 3]; n], power: 0.0, of_effects, series: None };
+        let kept = Kept { force, torque: vec![[0.0; 3]; n], of_effects, series: None };
         let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);
         bodies
@@ -159,9 +160,7 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
                 *torque = turning(q, &force.components());
             }
         }
-        if self.effects.changes_with_time() {
-            bodies.kept.power = self.effects.power(at);
-        }
+        self.evaluate_power(bodies);
     }
 
     fn settle<W: Witness<f64>>(
@@ -220,7 +219,7 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
             let torque = Vector3::from(bodies.kept.torque[number]);
             *rate = spread(&(m.cross(&m.component_div(&self.body.inertia)) + torque));
         }
-        if self.effects.changes_with_time() { bodies.kept.power } else { 0.0 }
+        bodies.power
     }
 
     fn project(&self, h: f64, bodies: &mut BodiesOf<F, N>) -> Result<(), Failure> {

@@ -323,7 +323,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     {
         let n = self.count.number();
         if self.effects.changes_with_time() {
-            let mut power = T::from_f64(table.weights[0]) * bodies.kept.power;
+            let mut power = T::from_f64(table.weights[0]) * bodies.power;
             for j in 1..S - 1 {
                 let time = bodies.time + h * table.nodes[j];
                 let at = Moment { time, positions: &stages.q[j * n..][..n] };

@@ -31,10 +31,6 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
         Ok(OnSurface::new(constraint, self.kernel(), effects.forces(), count))
     }
 
-    fn bodies(self, _: usize) -> Self {
-        self
-    }
-
     fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
         start::project(&self.kernel::<f64>(), state)
     }

@@ -34,17 +34,6 @@ impl<K, F, N, L> OnSurface<K, F, N, L> {
 }
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
-    /// Books the work of a kick by potentials that change with time.
-    #[inline(always)]
-    pub(super) fn book<T: Scalar, const D: usize>(&self, kick: f64, bodies: &mut BodiesOf<N, T, F, D>)
-    where
-        F: Forces<T, D>,
-    {
-        if self.effects.changes_with_time() && kick != 0.0 {
-            bodies.work = bodies.work + T::from_f64(kick) * bodies.kept.power;
-        }
-    }
-
     /// Lets time pass, if anything looks at it.
     #[inline(always)]
     pub(super) fn pass<T: Scalar, const D: usize>(&self, h: f64, bodies: &mut BodiesOf<N, T, F, D>)
@@ -89,8 +78,6 @@ pub struct Kept<N: Count, T: Scalar, F: Forces<T, D>, const D: usize> {
     pub normal: N::Of<Normal<T, D>>,
     /// The last forces; of size zero where no effect acts.
     pub force: N::Of<F::Force>,
-    /// ∂U/∂t with them, where forces change with time.
-    pub(super) power: T,
     /// How far first guesses were off.
     pub(crate) aim: N::Of<Aim<T>>,
     /// In steps of what length.

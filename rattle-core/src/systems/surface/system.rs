@@ -11,6 +11,7 @@ use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::kernel::series::NO_SERIES;
+use crate::motion::affected::Affected;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
@@ -84,8 +85,8 @@ where
         let (pace, crowd) = (Pace::unknown(), Crowd::of(tiles_of(self.count.number())));
         let in_tiles = const { may_go_in_tiles::<N, D>() } && entry::<T, L, N, D>(self.count).is_some();
         let lanes = in_tiles.then(|| Box::new(TileInLanes::new()));
-        let (power, stages, series) = (T::from_f64(0.0), None, None);
-        let kept = Kept { normal, force, power, aim, pace, crowd, lanes, of_effects, stages, series };
+        let (stages, series) = (None, None);
+        let kept = Kept { normal, force, aim, pace, crowd, lanes, of_effects, stages, series };
         let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);
         bodies
@@ -284,9 +285,7 @@ where
     fn evaluate_forces(&self, bodies: &mut BodiesOf<N, T, F, D>) {
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
         self.effects.evaluate(at, &mut bodies.kept.of_effects, bodies.kept.force.as_mut());
-        if self.effects.changes_with_time() {
-            bodies.kept.power = self.effects.power(at);
-        }
+        self.evaluate_power(bodies);
     }
 
     #[inline(always)]
@@ -335,7 +334,7 @@ where
             witness.position_multiplier(body, lambda);
             *rate = pull;
         }
-        if self.effects.changes_with_time() { bodies.kept.power } else { T::from_f64(0.0) }
+        bodies.power
     }
 
     #[inline(always)]
