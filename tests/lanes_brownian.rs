@@ -47,9 +47,12 @@ fn off(a: &State<3>, b: &State<3>) -> f64 {
     a.positions().zip(b.positions()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
 }
 
-/// What is said, but for numbers: these agree to rounding.
+/// In which step what is said, but for other numbers: these agree to rounding.
 pub(crate) fn words(error: &rattle::Error) -> String {
-    error.to_string().chars().filter(|c| !c.is_ascii_digit() && *c != '-').collect()
+    let told = error.to_string();
+    let (step, rest) = told.split_once(" (t").unwrap();
+    let rest: String = rest.chars().filter(|c| !c.is_ascii_digit() && *c != '-').collect();
+    format!("{step}{rest}")
 }
 
 fn in_lanes(ensemble: &Ensemble<3>) {
@@ -221,6 +224,89 @@ fn who_cannot_go_on_says_why() {
     let over_the_ridge = compare(&Scene::on(Roof {}).with(Gravity { g: 1.0 }), [0.15, 0.0, -0.15], 0.004);
     println!("{too_long:?} {over_the_ridge:?}");
     assert!([too_long, over_the_ridge].as_flattened().iter().all(|&number| number > 5));
+}
+
+potential! {
+    /// A force that has no value below a height, and pushes there.
+    pub(crate) struct Ending { g }
+    |_x, _y, z| g * sqrt(z)
+}
+
+potential! {
+    /// Pushes ever more, the farther from the plane.
+    pub(crate) struct Unstable { a }
+    |_x, _y, z| -a / 2 * z^2
+}
+
+/// Steps, after which it is looked at who ended, and when: at once, one by one, and alone.
+macro_rules! ends_alike {
+    ($scene:expr, $start:expr, $method:expr, $steps:expr, $number:expr) => {{
+        let of = |numbers: std::ops::Range<u64>| {
+            $scene.ensemble(numbers.map(|i| $start(i).numbered(i)), $method).unwrap()
+        };
+        let (mut at_once, mut one_by_one) = (of(0..$number), of(0..$number));
+        at_once.run($steps);
+        (0..$steps).for_each(|_| one_by_one.run(1));
+        let mut ended = 0;
+        for i in 0..$number as usize {
+            let mut single = of(i as u64..i as u64 + 1);
+            single.run($steps);
+            let mut simulation = $scene.simulate($start(i as u64).numbered(i as u64), $method).unwrap();
+            let own = simulation.run($steps).err();
+            for (ensemble, i) in [(&at_once, i), (&one_by_one, i), (&single, 0)] {
+                assert_eq!(own.as_ref().map(words), ensemble.failure(i).map(words), "{i}");
+                assert_eq!(format!("{:?}", ensemble.state(i)), format!("{:?}", single.state(0)), "{i}");
+            }
+            ended += usize::from(own.is_some());
+        }
+        [ended, $number as usize - ended]
+    }};
+}
+pub(crate) use ends_alike;
+
+/// Where a force is no number it is said in the step that led there, however the run is divided; and steps that are too
+/// long are rescued, or not, likewise.
+#[test]
+fn who_ends_ends_in_the_same_step() {
+    let by = Brownian::new(1.0, 0.02, 5, 0.02);
+    let cylinder = Scene::on(Sphere { r: 1.0 }).with(Ending { g: 1.0 });
+    let low = |i: u64| {
+        let z = 0.05 + 0.03 * i as f64;
+        State::at([(1.0 - z * z).sqrt(), 0.0, z])
+    };
+    let forces = ends_alike!(cylinder, low, by, 9, 20);
+    let hot = Brownian::new(1.0, 1.0, 5, 0.06);
+    let pole = |_: u64| State::at([0.0, 0.0, 1.0]);
+    let steps = ends_alike!(Scene::on(Sphere { r: 1.0 }), pole, hot, 20, 64);
+    println!("{forces:?} {steps:?}");
+    assert!([forces, steps].as_flattened().iter().all(|&number| number > 3));
+}
+
+/// Forces that grow by any factor between two looks at other sheets do not lead to these in silence.
+#[test]
+fn growing_forces_lead_to_no_other_shell() {
+    let [mut kept, mut refused] = [0, 0];
+    for k in [3e3, 1e4, 1e5] {
+        for a in [0.35, 0.6, 0.85] {
+            let begin = |i: u64| {
+                let z = 1e-9 * 10_f64.powf(0.25 * i as f64);
+                State::at([(1.0 - z * z).sqrt(), 0.0, z])
+            };
+            let scene = Scene::on(Shells { k }).with(Unstable { a });
+            let mut ensemble = scene.ensemble((0..17).map(begin), Brownian::new(1.0, 0.0, 1, 1.0)).unwrap();
+            for _ in 0..63 {
+                ensemble.run(1);
+                for state in ensemble.states() {
+                    let off = (state.positions().next().unwrap().norm() - 1.0).abs();
+                    assert!(off < 1e-9, "k = {k}, a = {a}: {off}");
+                }
+            }
+            refused += ensemble.failures().count();
+            kept += 17 - ensemble.failures().count();
+        }
+    }
+    println!("{kept} {refused}");
+    assert!(kept > 10 && refused > 10, "{kept} {refused}");
 }
 
 /// Headings and other pushes are not known in lanes.

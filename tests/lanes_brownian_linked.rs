@@ -1,6 +1,6 @@
 //! Brownian motion of linked and of rigid bodies in lanes: as each trajectory alone but for rounding.
 
-use crate::lanes_brownian::words;
+use crate::lanes_brownian::{Ending, Unstable, ends_alike, words};
 use crate::lanes_rigid::{Field, start as start_of_top};
 use rattle::bodies::Many;
 use rattle::effect::Effects;
@@ -197,6 +197,65 @@ fn steps_that_are_too_long() {
     ];
     println!("{found:?}");
     assert!(found.as_flattened().iter().all(|&number| number > 3), "{found:?}");
+}
+
+constraint! {
+    /// Bodies at a distance of 1 + nπ/k.
+    struct Shells { k }
+    |a, b, c, x, y, z| sin(k * (sqrt((x - a)^2 + (y - b)^2 + (z - c)^2) - 1))
+}
+
+potential! {
+    /// A torque that has no value once a body leans so far.
+    struct Leaning { g }
+    |_a, _b, _c, _d, _e, _f, _g, _h, z| g * sqrt(z - 0.5)
+}
+
+#[test]
+fn who_ends_ends_in_the_same_step() {
+    let by = Brownian::new(1.0, 0.02, 5, 0.02);
+    let free = Scene::points::<3>(1).with(Ending { g: 1.0 });
+    let beside = Scene::points::<3>(3).link(Rod { length: 1.0 }, [[0, 1]]).with(Ending { g: 1.0 });
+    let low = |i: u64| [0.0, 0.0, 0.02 + 0.03 * i as f64];
+    let apart = |i: u64| State::of([[0.0, 0.0, 9.0], [1.0, 0.0, 9.0], low(i)]);
+    let low = |i: u64| State::at(low(i));
+    let body = Scene::rigid(Rigid::new([1.0; 3])).with(Leaning { g: 1.0 });
+    let upright = |_: u64| State::at([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+    let found = [
+        ends_alike!(free, low, by, 9, 20),
+        ends_alike!(beside, apart, by, 9, 20),
+        ends_alike!(body, upright, Brownian::new(1.0, 0.3, 5, 0.01), 30, 20),
+    ];
+    println!("{found:?}");
+    assert!(found.as_flattened().iter().all(|&number| number > 3), "{found:?}");
+}
+
+/// As on surfaces.
+#[test]
+fn growing_forces_lead_to_no_other_shell() {
+    let [mut kept, mut refused] = [0, 0];
+    for k in [3e3, 1e5] {
+        for a in [0.35, 0.6] {
+            let begin = |i: u64| {
+                let z = 1e-9 * 10_f64.powf(0.25 * i as f64);
+                State::of([[0.0; 3], [(1.0 - z * z).sqrt(), 0.0, z]])
+            };
+            let scene = Scene::points::<3>(2).link(Shells { k }, [[0, 1]]).pin(0, [0.0; 3]);
+            let scene = scene.with(Unstable { a });
+            let mut ensemble = scene.ensemble((0..17).map(begin), Brownian::new(1.0, 0.0, 1, 1.0)).unwrap();
+            for _ in 0..63 {
+                ensemble.run(1);
+                for state in ensemble.states() {
+                    let off = (state.positions().nth(1).unwrap().norm() - 1.0).abs();
+                    assert!(off < 1e-9, "k = {k}, a = {a}: {off}");
+                }
+            }
+            refused += ensemble.failures().count();
+            kept += 17 - ensemble.failures().count();
+        }
+    }
+    println!("{kept} {refused}");
+    assert!(kept > 5 && refused > 5, "{kept} {refused}");
 }
 
 /// A rod and a ball turn with ⟨u·u₀⟩ = exp(−2 Dₜ t): Dₜ = 2kT/(γ m L²) of a rod between two bodies of mass m, and

@@ -103,7 +103,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             system: Identity::of_system(&self.system, &self.bodies),
             numbers: numbers.into(),
         });
-        let (steps, number) = (self.first.step + self.steps, self.number);
+        let (steps, number) = (self.first.step.wrapping_add(self.steps), self.number);
         State { bodies: self.bodies.all(), time, time_low, remembered, steps, number, other_momenta: None }
     }
 

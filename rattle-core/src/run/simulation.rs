@@ -352,7 +352,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.system.put_aside(&self.bodies, &mut self.before);
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
         if const { Y::FLOWS > 0 || S::DRAWS } {
-            self.bodies.noise = Noise { step: self.first.step + self.steps, ..self.first };
+            self.bodies.noise = Noise { step: self.first.step.wrapping_add(self.steps), ..self.first };
         }
         let stepped =
             step(&self.method, system, &self.system, &mut self.bodies, self.memory.as_mut(), witness);
@@ -397,7 +397,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let halvings = self.halving.map_or(0, |halving| halving.most);
         let (system, method, bodies) = (&self.system, &self.method, &mut self.bodies);
         let divided = false;
-        let noise = Noise { step: self.first.step + self.steps, ..self.first };
+        let noise = Noise { step: self.first.step.wrapping_add(self.steps), ..self.first };
         let mut stretch = Stretch { system, method, bodies, start, noise, aside, witness, halvings, divided };
         let met = meet(search, &mut stretch, stepped.map_err(Trouble::from));
         let divided = stretch.divided;

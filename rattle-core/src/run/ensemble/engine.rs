@@ -1,7 +1,7 @@
 //! Engines: they move the trajectories of a group in lanes. The group itself handles failures, replacements of failed
 //! lanes, and observers.
 
-use crate::error::Error;
+use crate::error::{Error, StepFailure};
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
 use crate::motion::record::{Hallmark, Reading, Record};
@@ -30,6 +30,16 @@ pub(crate) struct Draws {
 pub(crate) struct Stuck {
     pub(crate) lane: usize,
     pub(crate) failure: Option<Failure>,
+}
+
+impl Stuck {
+    /// A lane that ends where numbers end. It says by itself which ones.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn not_finite(lane: usize) -> Self {
+        let cause = StepFailure::MomentumNotFinite { position: Vec::new() };
+        Self { lane, failure: Some(Failure { body: 0, cause }) }
+    }
 }
 
 /// Where all lanes are to be written, and what is needed for their times: those of the starts, the time since then, and

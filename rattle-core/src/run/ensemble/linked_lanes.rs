@@ -77,10 +77,10 @@ pub(super) struct LinkedLanes<F, const D: usize, const W: usize> {
     account: Account,
 }
 
-/// What is kept of each lane where flows act; empty without flows.
+/// What is kept of each lane where flows act, or momenta are drawn anew; empty otherwise.
 #[derive(Clone, Default)]
 struct Account {
-    /// The work of flows.
+    /// The work of flows; empty without flows.
     work: Vec<f64>,
     /// The speed beyond which it is asked at once whether other sheets are near.
     limits: Vec<f64>,
@@ -110,18 +110,18 @@ where
         let (plan, links) =
             (LinkedPlan::of(&shape, method.sums, false)?, Links::of(&shape, |_, group| Width::links(group))?);
         let laws = vec![Law::new(network, shape, effects, bodies)?];
-        let stirring = match method.renewal {
-            Some(renewal) => Some(RowStirring::renewing(renewal, method.h, D, &|_| laws[0].masses.to_vec())),
-            None => RowStirring::of(|_| laws[0].shown(), &method),
-        };
+        let stirring = RowStirring::of(|_| laws[0].shown(), &method);
         let obeyed = Obeyed { laws, links, pulls: of_all(effects, bodies), over: None, stirring };
         Some(Self::with(plan, obeyed, method))
     }
 
     fn with(plan: LinkedPlan, obeyed: Obeyed<F, D, W>, method: Splits) -> Self {
         let (numbers, mut account) = (vec![zeros(); plan.places.kept], Account::default());
+        if obeyed.stirring.is_some() {
+            account.limits = vec![0.0; W];
+        }
         if const { F::FLOWS > 0 } {
-            account = Account { work: vec![0.0; W], limits: vec![0.0; W] };
+            account.work = vec![0.0; W];
         }
         Self {
             common: Arc::new(Common { plan, method }),
@@ -166,13 +166,7 @@ impl<F: Forces<f64, D>, const D: usize> LinkedLanes<F, D, ROW> {
             over: apart.then(|| (0..plan.coordinates).map(over).collect()),
             links,
             pulls: of_each(|lane| effects[of(lane)], bodies),
-            stirring: match method.renewal {
-                Some(renewal) => {
-                    let masses = |lane| laws[of(lane)].masses.to_vec();
-                    Some(RowStirring::renewing(renewal, method.h, D, &masses))
-                }
-                None => RowStirring::of(|lane| laws[of(lane)].shown(), &method),
-            },
+            stirring: RowStirring::of(|lane| laws[of(lane)].shown(), &method),
             laws: (0..ROW).map(|lane| laws[of(lane)].clone()).collect(),
         };
         Some(Self::with(plan, obeyed, method))
@@ -434,6 +428,8 @@ where
         }
         if const { F::FLOWS > 0 } {
             self.book(lane, self.account.work[lane]);
+        } else if let Some(limit) = self.account.limits.get_mut(lane) {
+            *limit = 0.0;
         }
         // Farther off than twice the path is another root, unless at rest, where rounding alone leads off.
         let largest = sizes.iter().fold(0.0_f64, |most, &x| most.max(x));
@@ -444,10 +440,8 @@ where
 
     fn copy(&mut self, from: usize, to: usize) {
         self.numbers.iter_mut().for_each(|numbers| numbers.0[to] = numbers.0[from]);
-        if const { F::FLOWS > 0 } {
-            let Account { work, limits } = &mut self.account;
-            (work[to], limits[to]) = (work[from], limits[from]);
-        }
+        let Account { work, limits } = &mut self.account;
+        [work, limits].into_iter().filter(|of| !of.is_empty()).for_each(|of| of[to] = of[from]);
     }
 
     fn obey(&mut self, from: usize, to: usize) {
@@ -555,6 +549,8 @@ where
         to.counts("part", [self.part as u64]);
         if const { F::FLOWS > 0 } {
             to.list("work", &self.account.work);
+        }
+        if self.obeyed.stirring.is_some() {
             to.list("speed to ask at", &self.account.limits);
         }
     }
@@ -568,8 +564,10 @@ where
         let [part] = from.counted("part")?;
         again.part = part as usize % self.common.method.parts.len();
         if const { F::FLOWS > 0 } {
-            let work = from.numbers("work", &[W])?.to_vec();
-            again.account = Account { work, limits: from.numbers("speed to ask at", &[W])?.to_vec() };
+            again.account.work = from.numbers("work", &[W])?.to_vec();
+        }
+        if self.obeyed.stirring.is_some() {
+            again.account.limits = from.numbers("speed to ask at", &[W])?.to_vec();
         }
         Ok(Box::new(again))
     }

@@ -5,6 +5,7 @@
 //! depend on no division of a run.
 
 use crate::number::instructions::Work;
+use crate::number::lanes::Fused;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
@@ -62,6 +63,9 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
                 self.look_around(taken)?;
                 self.evaluate();
             }
+        }
+        if self.steps > 0 && stirring.rhythm.renews {
+            return self.check();
         }
         let way = &self.numbers[way..way + n];
         let finite = |lane: usize| way.iter().map(|x| 0.0 * x.0[lane].0).sum::<f64>() == 0.0;
@@ -122,6 +126,25 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
         let Self { course, numbers, .. } = self;
         course.links.gradients(course.plan, course.set, course.plan.places.q, numbers);
         course.plan.lift(course.over, numbers);
+    }
+
+    /// Whether places and the forces there are numbers, momenta being forgotten.
+    #[inline(always)]
+    fn check(&mut self) -> Result<(), Stuck> {
+        let (Places { q, way, .. }, n) = (self.course.plan.places, self.course.plan.coordinates);
+        if self.pulling.is_some() {
+            self.course.kick(self.kick, way, self.numbers, &mut self.pulling);
+        }
+        let rows = self.numbers[q..q + n].iter().chain(&self.numbers[way..way + n]);
+        let mut sum = zeros::<W>();
+        for row in rows {
+            for l in 0..W {
+                sum.0[l] = sum.0[l] + Fused(0.0) * row.0[l];
+            }
+        }
+        self.forget();
+        let lost = sum.0.iter().position(|sum| sum.0 != 0.0);
+        lost.map_or(Ok(()), |lane| Err(Stuck::not_finite(lane)))
     }
 
     /// Asks whether other sheets are near, after so many steps, and sets limits.

@@ -68,11 +68,14 @@ pub(super) struct Question<'a, const W: usize> {
 pub(super) type Answer<'a, const W: usize> = dyn FnMut(Question<'_, W>, &mut [Numbers<W>]) + 'a;
 
 impl<const W: usize> RowStirring<W> {
-    /// What stirs lanes that obey these systems by this method; none where nothing does.
+    /// What stirs lanes that obey these systems by this method, or draws their momenta anew; none where nothing does.
     pub(super) fn of<'a, F: Forces<f64, D>, Y: System<f64, D>, const D: usize>(
         lane: impl Fn(usize) -> (&'a F, &'a Y, &'a [[f64; 2]]),
         method: &Splits,
     ) -> Option<Box<Self>> {
+        if let Some(renewal) = method.renewal {
+            return Some(Self::renewing(renewal, method.h, D, &|l| lane(l).2.to_vec()));
+        }
         if const { F::FLOWS == 0 } {
             return None;
         }
@@ -119,7 +122,7 @@ impl<const W: usize> RowStirring<W> {
 
     /// What draws the momenta of lanes of bodies of so many coordinates anew, with these masses and 1 over them in each
     /// lane. Momenta are forgotten before.
-    pub(super) fn renewing(
+    fn renewing(
         renewal: Renewal,
         h: f64,
         dimension: usize,

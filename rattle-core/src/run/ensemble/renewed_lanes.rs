@@ -15,16 +15,17 @@ use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::{Fused, Lane};
+use crate::number::vector::dot;
 use crate::number::vectors::{Vectors, at};
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
-use crate::run::ensemble::block::{Block, Part, Scratch};
+use crate::run::ensemble::block::{Block, Part, Scratch, is_finite};
 use crate::run::ensemble::crossing::crossings;
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::loops::step;
 use crate::run::ensemble::rhythm::{InRhythm, Rhythm, When};
 use crate::run::ensemble::splitting_lanes::{in_lanes, of_renewal, out_of_lanes};
-use crate::run::ensemble::stirred::lead;
+use crate::run::ensemble::stirred::{LARGER, lead};
 use crate::run::ensemble::stirring::DEVIATIONS;
 use crate::solve::crowd::EVERY;
 use std::any::Any;
@@ -40,6 +41,8 @@ pub(crate) struct RenewedLanes<S, X, const L: usize, const D: usize, const SUMS:
     drift: Part,
     whole: Part,
     rhythm: Rhythm<L>,
+    /// By lane the square of the momentum beyond which it is asked at once whether other sheets are near.
+    limits: Vec<f64>,
     h: f64,
     set: Fusing,
 }
@@ -52,14 +55,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize>
         let part = |before| Part::of::<false>(&[Stage { before, h, after: 0.0 }])[0];
         let (drift, whole) = (part(0.0), part(renewal.kick));
         let rhythm = Rhythm::renewing(h);
-        Self { block: Block::new(), laws, renewal, drift, whole, rhythm, h, set }
-    }
-
-    /// Asks whether other sheets are near, after so many steps, as far as momenta may lead that are drawn until it is
-    /// asked again.
-    #[inline(always)]
-    fn look_around(&self, block: &Block<S, L, D, SUMS, false>, laws: &X, steps: u64) -> Result<(), Stuck> {
-        block.look_around(steps, laws, &[self.whole], |_| DEVIATIONS * self.renewal.deviation)
+        Self { block: Block::new(), laws, renewal, drift, whole, rhythm, limits: vec![0.0; L], h, set }
     }
 }
 
@@ -85,18 +81,21 @@ where
     }
 
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
-        let block = self.set.run_lanes::<L, _>(Going { lanes: self, tour })?;
-        Ok(Box::new(Self { block, laws: self.laws.clone(), rhythm: self.rhythm.clone(), ..*self }))
+        let (block, limits) = self.set.run_lanes::<L, _>(Going { lanes: self, tour })?;
+        let (laws, rhythm) = (self.laws.clone(), self.rhythm.clone());
+        Ok(Box::new(Self { block, limits, laws, rhythm, ..*self }))
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
         let Body { q, q_low, p, p_low } = bodies[0].map(S::from_f64);
         self.block.set(lane, &self.laws, &[self.drift], [q, q_low], [p, p_low]);
+        self.limits[lane] = 0.0;
         true // momenta of a start are nothing to its first step, so that each lane can hold any
     }
 
     fn copy(&mut self, from: usize, to: usize) {
         self.block.copy(from, to);
+        self.limits[to] = self.limits[from];
     }
 
     fn obey(&mut self, from: usize, to: usize) {
@@ -144,10 +143,13 @@ where
 
     fn record(&self, to: &mut Record) {
         self.block.record(to);
+        to.list("square to ask at", &self.limits);
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
-        Ok(Box::new(Self { block: Block::recalled(from, 1)?, ..self.clone() }))
+        let block = Block::recalled(from, 1)?;
+        let limits = from.numbers("square to ask at", &[L])?.to_vec();
+        Ok(Box::new(Self { block, limits, ..self.clone() }))
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
@@ -192,16 +194,6 @@ struct Desk<S, const L: usize, const D: usize, const SUMS: usize> {
     scratch: Scratch<S, L, D>,
 }
 
-/// Forgets momenta, and what was guessed from them.
-#[inline(always)]
-fn forget<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
-    block: &mut Block<S, L, D, SUMS, false>,
-) {
-    let zero = [S::default(); L];
-    (block.way, block.way_low) = ([zero; D], [[zero; D]; SUMS]);
-    (block.guess, block.past) = (zero, [zero; 2]);
-}
-
 /// A block on a tour.
 struct Going<'a, S, X, const L: usize, const D: usize, const SUMS: usize> {
     lanes: &'a RenewedLanes<S, X, L, D, SUMS>,
@@ -213,7 +205,7 @@ where
     S: Lane,
     X: Laws<S, D>,
 {
-    type Done = Result<Block<S, L, D, SUMS, false>, Stuck>;
+    type Done = Result<(Block<S, L, D, SUMS, false>, Vec<f64>), Stuck>;
 
     #[inline(always)]
     fn run(self) -> Self::Done {
@@ -221,35 +213,72 @@ where
         let laws = lanes.laws.clone(); // out of reach of what the loops write
         let mut desk = Desk { block: lanes.block.clone(), scratch: Scratch::new() };
         let Desk { block, scratch } = &mut desk;
+        let mut limits = lanes.limits.clone();
+        let mut steps_of = Stepping { lanes, laws: &laws, block, scratch, limits: &mut limits };
         while let Some(Leg { from, steps, written, .. }) = tour.next() {
             if from == 0 && steps > 0 {
-                forget(block);
+                steps_of.forget();
             }
             for now in from..from + steps {
                 if now % EVERY == 0 {
-                    lanes.look_around(block, &laws, now)?;
+                    steps_of.look_around(now)?;
                 }
-                let start = block.q;
-                lanes.rhythm.step(&mut Stepping { lanes, laws: &laws, block, scratch }, now, 1)?;
+                let start = steps_of.block.q;
+                lanes.rhythm.step(&mut steps_of, now, 1)?;
                 if const { !X::Constraint::KINKS.is_empty() } {
-                    crossings(&laws, &start, &block.q)?;
+                    crossings(&laws, &start, &steps_of.block.q)?;
                 }
             }
+            if steps > 0 {
+                steps_of.check()?;
+            }
             if let Some(written) = written {
-                let (q, p) = block.all(&laws, &[lanes.drift]);
+                let (q, p) = steps_of.block.all(&laws, &[lanes.drift]);
                 written.fill(L, |lane| at(&q, lane).map(S::to_f64), |lane| at(&p, lane).map(S::to_f64));
             }
         }
-        Ok(desk.block)
+        Ok((desk.block, limits))
     }
 }
 
-/// A step of a block.
+/// Steps of a block.
 struct Stepping<'a, S, X, const L: usize, const D: usize, const SUMS: usize> {
     lanes: &'a RenewedLanes<S, X, L, D, SUMS>,
     laws: &'a X,
     block: &'a mut Block<S, L, D, SUMS, false>,
     scratch: &'a mut Scratch<S, L, D>,
+    limits: &'a mut [f64],
+}
+
+impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize>
+    Stepping<'_, S, X, L, D, SUMS>
+{
+    /// Asks whether other sheets are near, after so many steps, as far as momenta may lead that are drawn until it is
+    /// asked again.
+    #[inline(always)]
+    fn look_around(&mut self, steps: u64) -> Result<(), Stuck> {
+        let (Self { lanes, laws, block, limits, .. }, [zero, larger]) = (self, [0.0, LARGER * LARGER]);
+        let least = DEVIATIONS * lanes.renewal.deviation;
+        block.look_around(steps, *laws, &[lanes.whole], |_| least)?;
+        for (l, limit) in limits.iter_mut().enumerate() {
+            let way = at(&block.way, l);
+            *limit = larger * dot(&way, &way).to_f64().max(least * least).max(zero);
+        }
+        Ok(())
+    }
+
+    /// Whether places and the forces there are numbers.
+    #[inline(always)]
+    fn check(&self) -> Result<(), Stuck> {
+        for lane in 0..L {
+            let q = at(&self.block.q, lane);
+            let kicked = self.laws.kick(lane, &q, S::from_f64(self.lanes.renewal.kick), q);
+            if !kicked.into_iter().all(is_finite) {
+                return Err(Stuck::not_finite(lane));
+            }
+        }
+        Ok(())
+    }
 }
 
 impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize> InRhythm
@@ -274,7 +303,12 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize> 
     #[inline(always)]
     fn lead(&mut self) -> Result<(), Stuck> {
         lead(self.block, self.laws, &self.lanes.drift, self.lanes.renewal.kick);
-        Ok(())
+        let mut within = true;
+        for (l, limit) in self.limits.iter().enumerate() {
+            let way = at(&self.block.way, l);
+            within &= dot(&way, &way).to_f64() <= *limit;
+        }
+        if within { Ok(()) } else { self.look_around(0) }
     }
 
     #[inline(always)]
@@ -290,6 +324,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize> 
 
     #[inline(always)]
     fn forget(&mut self) {
-        forget(self.block);
+        let (Block { way, way_low, guess, past, .. }, zero) = (&mut *self.block, [S::default(); L]);
+        (*way, *way_low, *guess, *past) = ([zero; D], [[zero; D]; SUMS], zero, [zero; 2]);
     }
 }

@@ -105,7 +105,7 @@ impl<const W: usize> Rhythm<W> {
     #[inline(always)]
     pub(super) fn noise(&self, lane: usize, steps: u64) -> Noise {
         let Draws { trajectory, steps: before, .. } = self.draws[lane];
-        Noise { trajectory, step: before + steps, ..Noise::default() }
+        Noise { trajectory, step: before.wrapping_add(steps), ..Noise::default() }
     }
 
     /// The time of a lane after so many steps, as flows are told it.

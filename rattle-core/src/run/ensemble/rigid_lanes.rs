@@ -72,14 +72,10 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
             inertia.put(lane, &rigid[of(lane)].moments().map(Fused));
         }
         let system: [usize; W] = from_fn(|lane| if lane < systems.len() { lane } else { 0 });
-        let of_lane = |lane: usize| &systems[system[lane]];
-        let stirring = match method.renewal {
-            Some(renewal) => Some(RotorStirring::renewing(of_lane, renewal, method.h)),
-            None => RotorStirring::of(of_lane, &method),
-        };
+        let stirring = RotorStirring::of(|lane| &systems[system[lane]], &method).map(Box::new);
         Self {
             work: if const { Y::FLOWS > 0 } { vec![0.0; W] } else { Vec::new() },
-            stirring: stirring.map(Box::new),
+            stirring,
             system,
             systems,
             inertia,

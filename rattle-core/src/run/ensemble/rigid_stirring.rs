@@ -12,7 +12,6 @@ use crate::effect::interval::{Half, Rule};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
-use crate::motion::method::Renewal;
 use crate::motion::parts::Given;
 use crate::motion::system::System;
 use crate::number::instructions::Work;
@@ -59,11 +58,15 @@ pub(super) struct Question<'a, const W: usize> {
 pub(super) type Answer<'a, const W: usize> = dyn FnMut(Question<'_, W>, &mut [Three<W>]) + 'a;
 
 impl<const W: usize> RotorStirring<W> {
-    /// What stirs lanes of these systems by this method; none where nothing does.
+    /// What stirs lanes of these systems by this method, or draws their momenta anew; none where nothing does.
     pub(super) fn of<'a, Y: System<f64, D>, const D: usize>(
         lane: impl Fn(usize) -> &'a Y,
         method: &Splits,
     ) -> Option<Self> {
+        if let Some(renewal) = method.renewal {
+            let bath = Stir::Bath(Bath::of(&[renewal.process(); W]));
+            return Some(Self::acting(lane, vec![bath], Rhythm::renewing(method.h)));
+        }
         if const { Y::FLOWS == 0 } {
             return None;
         }
@@ -81,16 +84,6 @@ impl<const W: usize> RotorStirring<W> {
         });
         let flows = flows.collect();
         Some(Self::acting(lane, flows, rhythm))
-    }
-
-    /// What draws the momenta of lanes of these systems anew. Momenta are forgotten before.
-    pub(super) fn renewing<'a, Y: System<f64, D>, const D: usize>(
-        lane: impl Fn(usize) -> &'a Y,
-        renewal: Renewal,
-        h: f64,
-    ) -> Self {
-        let bath = Stir::Bath(Bath::of(&[renewal.process(); W]));
-        Self::acting(lane, vec![bath], Rhythm::renewing(h))
     }
 
     /// These flows.
@@ -227,7 +220,27 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
         for steps in from..end {
             rhythm.step(&mut stepping, steps, parts)?;
         }
-        finite(self.bodies)
+        if self.steps > 0 && rhythm.renews { self.check() } else { finite(self.bodies) }
+    }
+}
+
+impl<const W: usize> StirredSteps<'_, '_, W> {
+    /// Whether attitudes and the torques there are numbers, momenta being forgotten.
+    #[inline(always)]
+    fn check(&mut self) -> Result<(), Stuck> {
+        let Self { course, pulling, bodies, kicks, kick, .. } = self;
+        kicks.fill([zeros(); 3]);
+        if let Some(pulling) = pulling {
+            pulling.pull(course.set, *kick, (bodies, kicks));
+        }
+        let mut sum = zeros::<W>();
+        for row in bodies.iter().flat_map(|rotor| &rotor.q).chain(kicks.iter().flatten()) {
+            for l in 0..W {
+                sum.0[l] = sum.0[l] + Fused(0.0) * row.0[l];
+            }
+        }
+        let lost = sum.0.iter().position(|sum| sum.0 != 0.0);
+        lost.map_or(Ok(()), |lane| Err(Stuck::not_finite(lane)))
     }
 }
 
@@ -260,8 +273,11 @@ impl<const W: usize> InRhythm for Stepping<'_, '_, '_, W> {
 
     #[inline(always)]
     fn advance(&mut self, part: usize, steps: u64) -> Result<(), Stuck> {
-        let StirredSteps { bodies, kicks, pulling, .. } = &mut *self.steps;
-        self.row.advance(part, steps + 1, bodies, kicks, pulling)
+        let StirredSteps { stirring, bodies, kicks, pulling, .. } = &mut *self.steps;
+        let renews = stirring.rhythm.renews;
+        let unless_told = |of: Stuck| if of.failure.is_none() { Stuck::not_finite(of.lane) } else { of };
+        let advanced = self.row.advance(part, steps + 1, bodies, kicks, pulling);
+        if renews { advanced.map_err(unless_told) } else { advanced }
     }
 
     /// Those from the steps before: a flow changes rotations little.

@@ -280,6 +280,11 @@ impl<const D: usize> SideBySide<D> {
     /// halved as is allowed; and the work on it since the start.
     #[cold]
     fn by_itself(&self, lane: usize, failure: Option<Failure>, steps: u64) -> Result<Moved<D>, Error> {
+        if let (Some(Failure { body, cause }), true) = (&failure, steps > 1) {
+            // Who cannot go on takes that one step by itself, wherever the run is divided.
+            let (step, time) = (self.steps + 1, self.time(lane).0);
+            return Err(Error::Step { step, time, body: *body, cause: cause.clone() });
+        }
         let (bodies, mut place) = (self.bodies_in(lane), 0);
         let mut moved =
             |parts: u32| self.engine.by_itself(lane, &bodies, self.steps, steps, parts, &mut place);
@@ -417,7 +422,7 @@ impl<const D: usize> Group<D> for SideBySide<D> {
         let ended = self.ended(trajectory).map(|ended| ended.bodies.clone());
         let bodies = ended.unwrap_or_else(|| self.bodies_in(trajectory));
         let ((time, time_low), draws) = (self.time(trajectory), self.draws[trajectory]);
-        let steps = draws.steps + self.steps_of(trajectory);
+        let steps = draws.steps.wrapping_add(self.steps_of(trajectory));
         let number = draws.numbered.then_some(draws.trajectory);
         let none: [[f64; D]; 0] = [];
         State { bodies, time, time_low, steps, number, ..State::of(none) }
