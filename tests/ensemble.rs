@@ -455,6 +455,7 @@ fn a_start_that_is_refused_is_named() {
     assert!(scene.ensemble(directions_of(3), Rattle::new(0.0)).is_err());
     let none = scene.ensemble([], Rattle::new(0.01)).unwrap();
     assert!(none.is_empty() && none.states().count() == 0 && none.failure(0).is_none());
+    assert!(matches!(scene.ensemble([], Rattle::new(f64::NAN)), Err(Error::StepSize(h)) if h.is_nan()));
 }
 
 /// What rounding does to the energy in 1e5 steps, as a difference to a run of ten times the digits' worth: compensated

@@ -11,7 +11,7 @@
 //!
 //! [`OnSurface`](crate::systems::surface::kept::OnSurface) holds each body on a surface of its own,
 //! [`Linked`](crate::systems::linked::Linked) links between bodies,
-//! [`Turning`](crate::systems::rigid::kept::Turning) rigid bodies, and
+//! [`Turning`](crate::systems::rigid::Turning) rigid bodies, and
 //! [`InPhaseSpace`](crate::systems::phase::InPhaseSpace) constraints on phase space.
 
 use crate::motion::affected::Affected;

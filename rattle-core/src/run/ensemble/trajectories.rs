@@ -208,6 +208,9 @@ impl<const D: usize> Ensemble<D> {
                 scenes.push(scene);
             }
             if scenes.is_empty() {
+                if ensemble.len == 0 {
+                    method.check(0)?; // which is asked of each start otherwise
+                }
                 return Ok(ensemble);
             }
             let fits = !matches!(C::KIND, Kind::Other) || starts.iter().all(|start| start.len() == 1);
