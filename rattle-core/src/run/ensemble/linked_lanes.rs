@@ -370,8 +370,8 @@ where
         let mut ahead = system.bodies(bodies, 0.0);
         let independent = system.freedom(&ahead) + plan.equations == plan.moving.len();
         // Momenta of a start are nothing to a step that draws others.
-        let rest = |body: &Body<f64, D>| Body { p: [0.0; D], p_low: [0.0; D], ..*body };
-        let resting: Vec<_> = bodies.iter().filter(|_| renewal.is_some()).map(rest).collect();
+        let still = |body: &Body<f64, D>| Body { p: [0.0; D], p_low: [0.0; D], ..*body };
+        let resting: Vec<_> = bodies.iter().filter(|_| renewal.is_some()).map(still).collect();
         let bodies = if renewal.is_some() { &resting } else { bodies };
         let narrow = plan.equations > constraints::FEW
             && law.ready(bodies, *h).is_none_or(|system| system.is_narrow());
