@@ -1,6 +1,6 @@
 //! Brownian motion of linked and of rigid bodies in lanes: as each trajectory alone but for rounding.
 
-use crate::lanes_brownian::{Ending, Unstable, ends_alike, words};
+use crate::lanes_brownian::{Ending, Unstable, ends_alike, kept_where_forces_grow, words};
 use crate::lanes_rigid::{Field, start as start_of_top};
 use rattle::bodies::Many;
 use rattle::effect::Effects;
@@ -233,29 +233,12 @@ fn who_ends_ends_in_the_same_step() {
 /// As on surfaces.
 #[test]
 fn growing_forces_lead_to_no_other_shell() {
-    let [mut kept, mut refused] = [0, 0];
-    for k in [3e3, 1e5] {
-        for a in [0.35, 0.6] {
-            let begin = |i: u64| {
-                let z = 1e-9 * 10_f64.powf(0.25 * i as f64);
-                State::of([[0.0; 3], [(1.0 - z * z).sqrt(), 0.0, z]])
-            };
-            let scene = Scene::points::<3>(2).link(Shells { k }, [[0, 1]]).pin(0, [0.0; 3]);
-            let scene = scene.with(Unstable { a });
-            let mut ensemble = scene.ensemble((0..17).map(begin), Brownian::new(1.0, 0.0, 1, 1.0)).unwrap();
-            for _ in 0..63 {
-                ensemble.run(1);
-                for state in ensemble.states() {
-                    let off = (state.positions().nth(1).unwrap().norm() - 1.0).abs();
-                    assert!(off < 1e-9, "k = {k}, a = {a}: {off}");
-                }
-            }
-            refused += ensemble.failures().count();
-            kept += 17 - ensemble.failures().count();
-        }
-    }
-    println!("{kept} {refused}");
-    assert!(kept > 5 && refused > 5, "{kept} {refused}");
+    let scene = |k, a| {
+        let pair = Scene::points::<3>(2).link(Shells { k }, [[0, 1]]).pin(0, [0.0; 3]);
+        pair.with(Unstable { a })
+    };
+    let found = kept_where_forces_grow!(scene, |at: [f64; 3]| [[0.0; 3], at], [3e3, 1e5], [0.35, 0.6]);
+    assert!(found.iter().all(|&number| number > 5), "{found:?}");
 }
 
 /// A rod and a ball turn with ⟨u·u₀⟩ = exp(−2 Dₜ t): Dₜ = 2kT/(γ m L²) of a rod between two bodies of mass m, and

@@ -7,7 +7,7 @@ use crate::run::ensemble::linked_row::{Apart, Course, LinkedRow};
 use crate::run::ensemble::linked_stirred::StirredSteps;
 use crate::solve::crowd::EVERY;
 use crate::systems::network::group::LinkGroup;
-use crate::systems::network::in_lanes::{FEW, Numbers, ROW, RowLinks};
+use crate::systems::network::in_lanes::{FEW, Numbers, ROW, RowLinks, lost};
 
 /// Rows of so many lanes, whose work is compiled here and not wherever an ensemble is made.
 pub(super) trait Wide<const W: usize> {
@@ -95,8 +95,7 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
             }
         }
         let way = &numbers[plan.places.way..plan.places.way + plan.coordinates];
-        let finite = |lane: usize| way.iter().map(|x| 0.0 * x.0[lane].0).sum::<f64>() == 0.0;
-        (0..W).find(|&lane| !finite(lane)).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+        lost(way.iter()).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
     }
 }
 

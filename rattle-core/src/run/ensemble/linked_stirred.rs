@@ -5,7 +5,6 @@
 //! depend on no division of a run.
 
 use crate::number::instructions::Work;
-use crate::number::lanes::Fused;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
@@ -15,7 +14,7 @@ use crate::run::ensemble::linked_stirring::{Answer, RowStirring};
 use crate::run::ensemble::rhythm::{InRhythm, When};
 use crate::run::ensemble::stirred::LARGER;
 use crate::solve::crowd::EVERY;
-use crate::systems::network::in_lanes::{Numbers, zeros};
+use crate::systems::network::in_lanes::{Numbers, lost, zeros};
 
 /// Some steps of a row with flows, after so many.
 pub(super) struct StirredSteps<'a, 'b, const W: usize> {
@@ -68,8 +67,7 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
             return self.check();
         }
         let way = &self.numbers[way..way + n];
-        let finite = |lane: usize| way.iter().map(|x| 0.0 * x.0[lane].0).sum::<f64>() == 0.0;
-        (0..W).find(|&lane| !finite(lane)).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+        lost(way.iter()).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
     }
 }
 
@@ -136,14 +134,8 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
             self.course.kick(self.kick, way, self.numbers, &mut self.pulling);
         }
         let rows = self.numbers[q..q + n].iter().chain(&self.numbers[way..way + n]);
-        let mut sum = zeros::<W>();
-        for row in rows {
-            for l in 0..W {
-                sum.0[l] = sum.0[l] + Fused(0.0) * row.0[l];
-            }
-        }
+        let lost = lost(rows);
         self.forget();
-        let lost = sum.0.iter().position(|sum| sum.0 != 0.0);
         lost.map_or(Ok(()), |lane| Err(Stuck::not_finite(lane)))
     }
 

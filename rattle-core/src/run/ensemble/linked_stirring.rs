@@ -74,7 +74,7 @@ impl<const W: usize> RowStirring<W> {
         method: &Splits,
     ) -> Option<Box<Self>> {
         if let Some(renewal) = method.renewal {
-            return Some(Self::renewing(renewal, method.h, D, &|l| lane(l).2.to_vec()));
+            return Some(Self::renewing(renewal, method.h, D, by_coordinate(&|l| lane(l).2)));
         }
         if const { F::FLOWS == 0 } {
             return None;
@@ -85,8 +85,7 @@ impl<const W: usize> RowStirring<W> {
             Rhythm::of(method.stirs_after, method.h, once, (0..W).any(|l| lane(l).0.changes_with_time()));
         let time = rhythm.time;
         let n = lane(0).2.len();
-        let number = |f: &dyn Fn(usize) -> f64| Lanes(from_fn(|l| Fused(f(l))));
-        let masses: Vec<_> = (0..n).map(|c| [0, 1].map(|of| number(&|l| lane(l).2[c][of]))).collect();
+        let masses = by_coordinate(&|l| lane(l).2);
         let mut least = vec![zeros::<W>(); n];
         let mut stir = |flow: usize| {
             let processes: Option<Vec<_>> =
@@ -120,26 +119,17 @@ impl<const W: usize> RowStirring<W> {
         Some(Box::new(Self { flows, rhythm, dimension: D, masses, least }))
     }
 
-    /// What draws the momenta of lanes of bodies of so many coordinates anew, with these masses and 1 over them in each
-    /// lane. Momenta are forgotten before.
-    fn renewing(
-        renewal: Renewal,
-        h: f64,
-        dimension: usize,
-        masses: &dyn Fn(usize) -> Vec<[f64; 2]>,
-    ) -> Box<Self> {
-        let lanes: [_; W] = from_fn(masses);
-        let number = |f: &dyn Fn(usize) -> f64| Lanes(from_fn(|l| Fused(f(l))));
-        let each = |c: usize| [0, 1].map(|of| number(&|l| lanes[l][c][of]));
+    /// What draws the momenta of lanes of bodies of so many coordinates and with these masses anew. Momenta are
+    /// forgotten before.
+    fn renewing(renewal: Renewal, h: f64, dimension: usize, masses: Vec<[Numbers<W>; 2]>) -> Box<Self> {
         let most = DEVIATIONS * renewal.deviation;
-        let least = |c: usize| number(&|l| most * lanes[l][c][1].sqrt());
-        let n = lanes[0].len();
+        let least = |[_, over]: &[Numbers<W>; 2]| Lanes(over.0.map(|over| Fused(most * over.0.sqrt())));
         Box::new(Self {
             flows: vec![Stir::Bath(Rule::Random, Bath::of(&[renewal.process(); W]))],
             rhythm: Rhythm::renewing(h),
             dimension,
-            masses: (0..n).map(each).collect(),
-            least: (0..n).map(least).collect(),
+            least: masses.iter().map(least).collect(),
+            masses,
         })
     }
 
@@ -443,6 +433,12 @@ impl<const W: usize> Work for Asking<'_, '_, '_, W> {
         }
         going.iter().position(|&going| going != 0).map_or(Ok(()), Err)
     }
+}
+
+/// Mass and 1 over it of each lane, by coordinate.
+fn by_coordinate<'a, const W: usize>(lane: &dyn Fn(usize) -> &'a [[f64; 2]]) -> Vec<[Numbers<W>; 2]> {
+    let number = |c: usize, of: usize| Lanes(from_fn(|l| Fused(lane(l)[c][of])));
+    (0..lane(0).len()).map(|c| [number(c, 0), number(c, 1)]).collect()
 }
 
 /// Adds changes to ways; where sums are compensated, to their low digits.

@@ -257,12 +257,12 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize>
     /// asked again.
     #[inline(always)]
     fn look_around(&mut self, steps: u64) -> Result<(), Stuck> {
-        let (Self { lanes, laws, block, limits, .. }, [zero, larger]) = (self, [0.0, LARGER * LARGER]);
+        let Self { lanes, laws, block, limits, .. } = self;
         let least = DEVIATIONS * lanes.renewal.deviation;
         block.look_around(steps, *laws, &[lanes.whole], |_| least)?;
         for (l, limit) in limits.iter_mut().enumerate() {
             let way = at(&block.way, l);
-            *limit = larger * dot(&way, &way).to_f64().max(least * least).max(zero);
+            *limit = LARGER * LARGER * dot(&way, &way).to_f64().max(least * least);
         }
         Ok(())
     }
@@ -289,9 +289,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize> 
     fn act(&mut self, When { steps, .. }: When) -> Result<(), Stuck> {
         let RenewedLanes { renewal: Renewal { seed, deviation, .. }, rhythm, .. } = self.lanes;
         let mut noise: Vectors<Fused<f64>, L, D> = [[Fused(0.0); L]; D];
-        for (draw, four) in (0..).zip(noise.chunks_mut(4)) {
-            rhythm.draw(&[*seed; L], (0, 0, steps), draw, four);
-        }
+        rhythm.draw(&[*seed; L], (0, 0, steps), 0, &mut noise);
         for d in 0..D {
             for l in 0..L {
                 self.block.way[d][l] = S::from_f64(*deviation * noise[d][l].0);

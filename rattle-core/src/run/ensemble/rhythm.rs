@@ -134,8 +134,8 @@ impl<const W: usize> Rhythm<W> {
         })
     }
 
-    /// Draws up to four normal numbers of each lane, those of [`Noise::normal`]: draw number `draw` with these seeds by
-    /// flow number `number`, before which `place` flows acted in this step, after so many.
+    /// Draws normal numbers of each lane, those of [`Noise::normal`], four by each draw from number `draw` on: with
+    /// these seeds by flow number `number`, before which `place` flows acted in this step, after so many.
     #[inline(always)]
     pub(super) fn draw(
         &self,
@@ -144,15 +144,17 @@ impl<const W: usize> Rhythm<W> {
         draw: u64,
         numbers: &mut [[Number; W]],
     ) {
-        let mut words = [[0; W]; 4];
-        for l in 0..W {
-            let noise = Noise { effect: number as u64, place, ..self.noise(l, steps) };
-            for (words, drawn) in words.iter_mut().zip(noise.words(seed[l], draw)) {
-                words[l] = drawn;
+        for (draw, numbers) in (draw..).zip(numbers.chunks_mut(4)) {
+            let mut words = [[0; W]; 4];
+            for l in 0..W {
+                let noise = Noise { effect: number as u64, place, ..self.noise(l, steps) };
+                for (words, drawn) in words.iter_mut().zip(noise.words(seed[l], draw)) {
+                    words[l] = drawn;
+                }
             }
-        }
-        for (two, words) in numbers.chunks_mut(2).zip(words.as_chunks().0) {
-            normal(words, two);
+            for (two, words) in numbers.chunks_mut(2).zip(words.as_chunks().0) {
+                normal(words, two);
+            }
         }
     }
 }

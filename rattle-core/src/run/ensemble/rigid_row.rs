@@ -16,7 +16,7 @@ use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::{Pulled, Pulling, Rows};
 use crate::solve::crowd::EVERY;
-use crate::systems::network::in_lanes::{Number, Numbers, at, put, zeros};
+use crate::systems::network::in_lanes::{Number, Numbers, at, lost, put, zeros};
 use crate::systems::rigid::rotation::{
     Inverse, LEFT, Moments, deviation, product, share, too_fast, turn, turning,
 };
@@ -215,9 +215,8 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
 /// An error for the first lane in which a momentum is no number.
 #[inline(always)]
 pub(super) fn finite<const W: usize>(bodies: &[Rotor<W>]) -> Result<(), Stuck> {
-    let ways = |lane: usize| bodies.iter().flat_map(move |rotor| at(&rotor.way, lane));
-    let finite = |lane: usize| ways(lane).map(|x| 0.0 * x.0).sum::<f64>() == 0.0;
-    (0..W).find(|&lane| !finite(lane)).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+    let ways = bodies.iter().flat_map(|rotor| &rotor.way);
+    lost(ways).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
 }
 
 /// What a row obeys, and working memory.

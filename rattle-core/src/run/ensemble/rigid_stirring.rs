@@ -22,7 +22,7 @@ use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::rhythm::{Bath, InRhythm, Rhythm, When};
 use crate::run::ensemble::rigid_row::{Course, RigidRow, Rotor, Row, Three, finite, push};
 use crate::run::ensemble::splitting_lanes::Splits;
-use crate::systems::network::in_lanes::{Numbers, at, zeros};
+use crate::systems::network::in_lanes::{Numbers, at, lost, zeros};
 use std::array::from_fn;
 
 /// What stirs the lanes of a row.
@@ -233,14 +233,8 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
         if let Some(pulling) = pulling {
             pulling.pull(course.set, *kick, (bodies, kicks));
         }
-        let mut sum = zeros::<W>();
-        for row in bodies.iter().flat_map(|rotor| &rotor.q).chain(kicks.iter().flatten()) {
-            for l in 0..W {
-                sum.0[l] = sum.0[l] + Fused(0.0) * row.0[l];
-            }
-        }
-        let lost = sum.0.iter().position(|sum| sum.0 != 0.0);
-        lost.map_or(Ok(()), |lane| Err(Stuck::not_finite(lane)))
+        let rows = bodies.iter().flat_map(|rotor| &rotor.q).chain(kicks.iter().flatten());
+        lost(rows).map_or(Ok(()), |lane| Err(Stuck::not_finite(lane)))
     }
 }
 

@@ -354,9 +354,7 @@ impl<S: Lane, const L: usize, const D: usize> Work for Acting<'_, '_, S, L, D> {
                 Stir::Linear(linear) => {
                     if linear.draws {
                         let mut noise = [[Fused(0.0); L]; D];
-                        for (draw, four) in (0..).zip(noise.chunks_mut(4)) {
-                            stirring.rhythm.draw(&linear.seed, (number, place, steps), draw, four);
-                        }
+                        stirring.rhythm.draw(&linear.seed, (number, place, steps), 0, &mut noise);
                         linear.act(Some(&noise), &mut stirred)?;
                     } else {
                         linear.act(None, &mut stirred)?;

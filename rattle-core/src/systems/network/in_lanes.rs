@@ -43,6 +43,18 @@ pub(crate) fn at<const N: usize, const W: usize>(rows: &[Numbers<W>; N], l: usiz
     from_fn(|n| rows[n].0[l])
 }
 
+/// The first lane in which one of these is infinite or no number.
+#[inline(always)]
+pub(crate) fn lost<'a, const W: usize>(rows: impl Iterator<Item = &'a Numbers<W>>) -> Option<usize> {
+    let mut sum = zeros::<W>();
+    for row in rows {
+        for l in 0..W {
+            sum.0[l] = sum.0[l] + Fused(0.0) * row.0[l];
+        }
+    }
+    sum.0.iter().position(|sum| sum.0 != 0.0)
+}
+
 /// Puts numbers into a lane.
 #[inline(always)]
 pub(crate) fn put<const N: usize, const W: usize>(rows: &mut [Numbers<W>; N], l: usize, x: [Number; N]) {
