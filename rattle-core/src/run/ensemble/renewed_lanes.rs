@@ -289,7 +289,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize> 
     fn act(&mut self, When { steps, .. }: When) -> Result<(), Stuck> {
         let RenewedLanes { renewal: Renewal { seed, deviation, .. }, rhythm, .. } = self.lanes;
         let mut noise: Vectors<Fused<f64>, L, D> = [[Fused(0.0); L]; D];
-        rhythm.draw(&[*seed; L], (0, 0, steps), 0, &mut noise);
+        rhythm.draw_all(&[*seed; L], (0, 0, steps), &mut noise);
         for d in 0..D {
             for l in 0..L {
                 self.block.way[d][l] = S::from_f64(*deviation * noise[d][l].0);

@@ -134,8 +134,16 @@ impl<const W: usize> Rhythm<W> {
         })
     }
 
-    /// Draws normal numbers of each lane, those of [`Noise::normal`], four by each draw from number `draw` on: with
-    /// these seeds by flow number `number`, before which `place` flows acted in this step, after so many.
+    /// Draws normal numbers of each lane, those of [`Noise::normal`] for one body: with these seeds by flow number
+    /// `number`, before which `place` flows acted in this step, after so many.
+    #[inline(always)]
+    pub(super) fn draw_all(&self, seed: &[u64; W], turn: (usize, u64, u64), numbers: &mut [[Number; W]]) {
+        for (draw, four) in (0..).zip(numbers.chunks_mut(4)) {
+            self.draw(seed, turn, draw, four);
+        }
+    }
+
+    /// Draws up to four of them, by draw number `draw`.
     #[inline(always)]
     pub(super) fn draw(
         &self,
@@ -144,17 +152,15 @@ impl<const W: usize> Rhythm<W> {
         draw: u64,
         numbers: &mut [[Number; W]],
     ) {
-        for (draw, numbers) in (draw..).zip(numbers.chunks_mut(4)) {
-            let mut words = [[0; W]; 4];
-            for l in 0..W {
-                let noise = Noise { effect: number as u64, place, ..self.noise(l, steps) };
-                for (words, drawn) in words.iter_mut().zip(noise.words(seed[l], draw)) {
-                    words[l] = drawn;
-                }
+        let mut words = [[0; W]; 4];
+        for l in 0..W {
+            let noise = Noise { effect: number as u64, place, ..self.noise(l, steps) };
+            for (words, drawn) in words.iter_mut().zip(noise.words(seed[l], draw)) {
+                words[l] = drawn;
             }
-            for (two, words) in numbers.chunks_mut(2).zip(words.as_chunks().0) {
-                normal(words, two);
-            }
+        }
+        for (two, words) in numbers.chunks_mut(2).zip(words.as_chunks().0) {
+            normal(words, two);
         }
     }
 }

@@ -354,7 +354,7 @@ impl<S: Lane, const L: usize, const D: usize> Work for Acting<'_, '_, S, L, D> {
                 Stir::Linear(linear) => {
                     if linear.draws {
                         let mut noise = [[Fused(0.0); L]; D];
-                        stirring.rhythm.draw(&linear.seed, (number, place, steps), 0, &mut noise);
+                        stirring.rhythm.draw_all(&linear.seed, (number, place, steps), &mut noise);
                         linear.act(Some(&noise), &mut stirred)?;
                     } else {
                         linear.act(None, &mut stirred)?;
