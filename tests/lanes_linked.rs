@@ -134,6 +134,7 @@ fn agree<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize>(
         off(Double, scene, &starts, &Rattle::new(0.01), 50),
         off(Compensated, scene, &starts, &Composition::new(SUZUKI_1990_ORDER_4, 0.02), 25),
         off(Double, scene, &starts[..5], &Rattle::new(0.01), 50), // in a row of a few
+        off(Double, scene, &starts, &Dop853::new(0.02), 25),
     ]);
 }
 
@@ -154,6 +155,10 @@ fn methods_and_precisions() {
         off(Compensated, scene, &starts, &Geodesic::new(2, 0.02), 25),
         off(Double, scene, &starts, &Composition::new(SUZUKI_1990_ORDER_4, 0.02), 25),
         off(Compensated, scene, &starts, &Composition::new(KAHAN_LI_1997_ORDER_8, 0.1), 5),
+        off(Single, scene, &starts, &Dop853::new(0.02), 25), // in double precision, sums compensated
+        off(Double, scene, &starts[..5], &Dop853::new(0.02), 25),
+        off(Double, scene, &starts, &Dop853::adaptive(0.1, 1e-12), 5),
+        off(Double, scene, &starts, &Dop853::adaptive(-0.25, 1e-9), 2),
     ]);
     assert_eq!(off(Double, scene, &starts, &Lobatto::<3>::new(0.02), 5), 0.0, "none of them is in lanes");
 }
@@ -297,7 +302,8 @@ fn same_in_rows<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize>(
         let composed = Composition::new(SUZUKI_1990_ORDER_4, 0.02);
         let mut unequal = scene.ensemble(starts(), composed).unwrap();
         let mut all = scene.ensemble_in(Compensated, starts(), composed).unwrap();
-        let each = [&mut equal, &mut sums, &mut unequal, &mut all].map(|ensemble| {
+        let mut projected = scene.ensemble(starts(), Dop853::adaptive(0.01, 1e-8)).unwrap();
+        let each = [&mut equal, &mut sums, &mut unequal, &mut all, &mut projected].map(|ensemble| {
             ensemble.run(130);
             assert_eq!(ensemble.failures().count(), 0);
             (0..8).map(|i| format!("{:?}", ensemble.state(i))).collect::<Vec<_>>()

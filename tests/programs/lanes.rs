@@ -24,6 +24,8 @@ mod lanes_linked;
 mod lanes_phase;
 #[path = "../lanes_projected.rs"]
 mod lanes_projected;
+#[path = "../lanes_projected_linked.rs"]
+mod lanes_projected_linked;
 #[path = "../lanes_rigid.rs"]
 mod lanes_rigid;
 #[path = "../lanes_splittings.rs"]

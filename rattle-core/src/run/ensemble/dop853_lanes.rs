@@ -79,7 +79,7 @@ impl<S: Lane, const L: usize, const D: usize> Projects<S, L, D> for Dop853 {
                 for l in 0..L {
                     within[l] = within[l].max(least_tolerance(&at(&now.q, l)));
                 }
-                fit(&within, &fifth, &third, inner, next, taken);
+                fit(&within, &error(&fifth, &third, inner), inner, next, taken);
             }
         }
         for d in 0..D {
@@ -179,24 +179,32 @@ fn length<S: Lane, const L: usize, const D: usize>(
     }
 }
 
+/// The estimated errors of inner steps, from their [lengths](length).
+#[inline(always)]
+pub(super) fn error<S: Lane, const L: usize>(fifth: &[S; L], third: &[S; L], inner: &[S; L]) -> [S; L] {
+    let ([zero, tenth], mut error) = ([0.0, 0.1].map(S::from_f64), *fifth);
+    for l in 0..L {
+        let (a, b) = (fifth[l], tenth * third[l]);
+        let of_lane = inner[l].abs() * a * (a / a.multiply_add(a, b * b).sqrt());
+        error[l] = S::select(a.le(zero), zero, of_lane);
+    }
+    error
+}
+
 /// Which inner steps are within the tolerance, and how long the next ones are to be.
 #[inline(always)]
-fn fit<S: Lane, const L: usize>(
+pub(super) fn fit<S: Lane, const L: usize>(
     tolerance: &[S; L],
-    fifth: &[S; L],
-    third: &[S; L],
+    error: &[S; L],
     inner: &[S; L],
     next: &mut [S; L],
     taken: &mut [bool; L],
 ) {
-    let [zero, safety, least, most, tenth] = [0.0, SAFETY, CHANGE.0, CHANGE.1, 0.1].map(S::from_f64);
+    let [safety, least, most] = [SAFETY, CHANGE.0, CHANGE.1].map(S::from_f64);
     for l in 0..L {
-        let (a, b) = (fifth[l], tenth * third[l]);
-        let error = inner[l].abs() * a * (a / a.multiply_add(a, b * b).sqrt());
-        let error = S::select(a.le(zero), zero, error);
-        let fits = safety * (tolerance[l] / error).sqrt().sqrt().sqrt();
+        let fits = safety * (tolerance[l] / error[l]).sqrt().sqrt().sqrt();
         let fits = S::select(least.le(fits), fits, least).min(most); // also where it is no number
-        taken[l] = error.le(tolerance[l]);
+        taken[l] = error[l].le(tolerance[l]);
         next[l] = inner[l] * S::select(taken[l], fits, fits.min(safety));
     }
 }

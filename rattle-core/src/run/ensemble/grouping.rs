@@ -22,6 +22,8 @@ use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::{Each, Laws, Same};
 use crate::run::ensemble::linked_going::Width;
 use crate::run::ensemble::linked_lanes::LinkedLanes;
+use crate::run::ensemble::linked_law::LinkedLaws;
+use crate::run::ensemble::linked_projected_lanes::LinkedProjected;
 use crate::run::ensemble::phase_lanes::{PhaseLanes, fits_lanes};
 use crate::run::ensemble::phase_row::ROW as IN_PHASE_SPACE;
 use crate::run::ensemble::precision::{InNumbers, Precision};
@@ -95,6 +97,11 @@ impl HowInLanes {
         let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
         let splits = Splits::new(&self.stages, self.h, equal && !flows, P::compute(Sums), self.set);
         if flows { splits.stirred(self.stirs_after) } else { splits }
+    }
+
+    /// The method that these are, where it is [`Dop853`].
+    fn dop853(&self) -> Dop853 {
+        self.tolerance.map_or(Dop853::new(self.h), |tolerance| Dop853::adaptive(self.h, tolerance))
     }
 }
 
@@ -249,12 +256,14 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     let (bodies, first, method) = (starts.first()?.len(), lanes.first, lanes.splits::<P, S>(flows));
     if starts.len() <= 3 * FEW {
         // Three rows of a few take less time than a full one.
-        let row = LinkedLanes::<_, D, FEW>::new(network, effects, bodies, method)?;
+        let row =
+            LinkedLanes::<_, D, FEW>::new(LinkedLaws::by_all(network, effects, bodies, method.sums)?, method);
         return in_rows(FEW, starts, &|from, starts| {
             Some(side_by_side(Box::new(row.clone()), first + from, starts))
         });
     }
-    let row = LinkedLanes::<_, D, ROW>::new(network, effects, bodies, method)?;
+    let row =
+        LinkedLanes::<_, D, ROW>::new(LinkedLaws::by_all(network, effects, bodies, method.sums)?, method);
     in_rows(ROW, starts, &|from, starts| Some(side_by_side(Box::new(row.clone()), first + from, starts)))
 }
 
@@ -272,7 +281,47 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
     in_rows(ROW, starts, &|from, starts| {
         let flows = const { E::Forces::<f64>::FLOWS > 0 };
         let (own, method) = (from..from + starts.len(), lanes.splits::<P, S>(flows));
-        let row = LinkedLanes::<_, D, ROW>::swept(&networks[own.clone()], &effects[own], bodies, method)?;
+        let obeyed = LinkedLaws::by_each(&networks[own.clone()], &effects[own], bodies, method.sums)?;
+        let row = LinkedLanes::<_, D, ROW>::new(obeyed, method);
+        Some(side_by_side(Box::new(row), first + from, starts))
+    })
+}
+
+/// Trajectories of linked bodies in rows of a few, by steps whose stages disregard the constraints.
+pub(super) fn linked_projected<E: Effects<D>, const D: usize>(
+    network: &Network<D>,
+    effects: &E,
+    starts: &[State<D>],
+    lanes: &HowInLanes,
+) -> Groups<D> {
+    let (bodies, first, method) = (starts.first()?.len(), lanes.first, lanes.dop853());
+    if starts.len() <= 3 * FEW {
+        let laws = LinkedLaws::<_, D, FEW>::by_all(network, effects, bodies, true)?;
+        let row = LinkedProjected::new(laws, method, lanes.set);
+        return in_rows(FEW, starts, &|from, starts| {
+            Some(side_by_side(Box::new(row.clone()), first + from, starts))
+        });
+    }
+    let laws = LinkedLaws::<_, D, ROW>::by_all(network, effects, bodies, true)?;
+    let row = LinkedProjected::new(laws, method, lanes.set);
+    in_rows(ROW, starts, &|from, starts| Some(side_by_side(Box::new(row.clone()), first + from, starts)))
+}
+
+/// The same, each in a network and under effects of its own.
+pub(super) fn linked_projected_apart<E: Effects<D> + 'static, const D: usize>(
+    networks: &[&Network<D>],
+    effects: &[&E],
+    starts: &[State<D>],
+    lanes: &HowInLanes,
+) -> Groups<D> {
+    let (bodies, first) = (starts.first()?.len(), lanes.first);
+    if starts.iter().any(|start| start.len() != bodies) {
+        return None;
+    }
+    in_rows(ROW, starts, &|from, starts| {
+        let own = from..from + starts.len();
+        let laws = LinkedLaws::by_each(&networks[own.clone()], &effects[own], bodies, true)?;
+        let row = LinkedProjected::<_, D, ROW>::new(laws, lanes.dop853(), lanes.set);
         Some(side_by_side(Box::new(row), first + from, starts))
     })
 }
@@ -471,8 +520,8 @@ impl<O: Obeyed<D>, const D: usize> InNumbers for Projections<'_, O, D> {
     type Done = Groups<D>;
 
     fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
-        let Self(obeyed, starts, HowInLanes { h, set, first, tolerance, .. }) = self;
-        let method = tolerance.map_or(Dop853::new(*h), |tolerance| Dop853::adaptive(*h, tolerance));
+        let Self(obeyed, starts, lanes) = self;
+        let (HowInLanes { set, first, .. }, method) = (lanes, lanes.dop853());
         in_rows(OF_STAGES, starts, &|from, starts| {
             let laws = obeyed.laws::<S, OF_STAGES>(from);
             let engine = ProjectedLanes::<S, _, OF_STAGES, D, SUMS, _>::new(laws, method, *set);

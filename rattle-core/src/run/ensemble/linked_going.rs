@@ -3,6 +3,7 @@
 use crate::number::instructions::Work;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
+use crate::run::ensemble::linked_projected::ProjectedSteps;
 use crate::run::ensemble::linked_row::{Apart, Course, LinkedRow};
 use crate::run::ensemble::linked_stirred::StirredSteps;
 use crate::solve::crowd::EVERY;
@@ -17,6 +18,8 @@ pub(super) trait Wide<const W: usize> {
     fn go(steps: Steps<'_, '_, W>) -> Result<(), Stuck>;
     /// Takes steps with flows.
     fn stir(steps: StirredSteps<'_, '_, W>) -> Result<(), Stuck>;
+    /// Takes steps that are projected.
+    fn project(steps: ProjectedSteps<'_, '_, W>) -> Result<(), Stuck>;
     /// Writes velocities.
     fn look(velocities: Velocities<'_, '_, W>);
 }
@@ -34,6 +37,9 @@ impl Wide<ROW> for Width {
     fn stir(steps: StirredSteps<'_, '_, ROW>) -> Result<(), Stuck> {
         steps.course.set.run(steps)
     }
+    fn project(steps: ProjectedSteps<'_, '_, ROW>) -> Result<(), Stuck> {
+        steps.desk.set().run(steps)
+    }
     fn look(velocities: Velocities<'_, '_, ROW>) {
         velocities.course.set.run(velocities);
     }
@@ -48,6 +54,9 @@ impl Wide<FEW> for Width {
     }
     fn stir(steps: StirredSteps<'_, '_, FEW>) -> Result<(), Stuck> {
         steps.course.set.run(steps)
+    }
+    fn project(steps: ProjectedSteps<'_, '_, FEW>) -> Result<(), Stuck> {
+        steps.desk.set().run(steps)
     }
     fn look(velocities: Velocities<'_, '_, FEW>) {
         velocities.course.set.run(velocities);

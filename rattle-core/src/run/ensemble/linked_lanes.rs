@@ -1,6 +1,6 @@
 //! Linked bodies in lanes.
 
-use crate::effect::list::{Effects, Forces};
+use crate::effect::list::Forces;
 use crate::error::Error;
 use crate::motion::bodies::{Body, Many};
 use crate::motion::failure::Failure;
@@ -12,10 +12,10 @@ use crate::number::lanes::{Fused, Lanes};
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
-use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls, of_all, of_each};
+use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::linked_going::{Steps, Velocities, Wide, Width};
-use crate::run::ensemble::linked_law::{Heard, Law, answer, gradients};
-use crate::run::ensemble::linked_plan::{LinkedPlan, Links, Places};
+use crate::run::ensemble::linked_law::{Heard, Law, LinkedLaws, answer, gradients};
+use crate::run::ensemble::linked_plan::{LinkedPlan, Places};
 use crate::run::ensemble::linked_row::{Course, Landed, LinkedRow, at_rest};
 use crate::run::ensemble::linked_stirred::StirredSteps;
 use crate::run::ensemble::linked_stirring::RowStirring;
@@ -25,8 +25,8 @@ use crate::run::ensemble::stirred::LARGER;
 use crate::run::fingerprint::of_system;
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
-use crate::systems::network::in_lanes::{Numbers, ROW, zeros};
-use crate::systems::network::{Network, constraints};
+use crate::systems::network::constraints;
+use crate::systems::network::in_lanes::{Numbers, zeros};
 use std::any::Any;
 use std::array::from_fn;
 use std::hint::black_box;
@@ -41,35 +41,10 @@ pub(super) struct Common {
 /// By so many roundings of places a step leads off where bodies rest: g of a start is zero to a few.
 const ROUNDINGS: f64 = 16.0;
 
-/// What the lanes of a row obey.
-struct Obeyed<F, const D: usize, const W: usize> {
-    /// One for all lanes, or one for each.
-    laws: Vec<Law<F, D>>,
-    links: Links<W>,
-    pulls: Option<Box<dyn Pulls<LinkedRow, W>>>,
-    /// 1 over the masses of all lanes, where they differ.
-    over: Option<Vec<Numbers<W>>>,
-    stirring: Option<Box<RowStirring<W>>>,
-}
-
-impl<F: Clone, const D: usize, const W: usize> Clone for Obeyed<F, D, W> {
-    fn clone(&self) -> Self {
-        let Self { laws, links, pulls, over, stirring } = self;
-        let pulls = pulls.as_ref().map(|pulls| pulls.boxed());
-        Self {
-            laws: laws.clone(),
-            links: links.clone(),
-            pulls,
-            over: over.clone(),
-            stirring: stirring.clone(),
-        }
-    }
-}
-
 /// A row of trajectories of linked bodies, moved by a splitting.
 pub(super) struct LinkedLanes<F, const D: usize, const W: usize> {
     common: Arc<Common>,
-    obeyed: Arc<Obeyed<F, D, W>>,
+    obeyed: Arc<LinkedLaws<F, D, W>>,
     /// Number by number, as the [`LinkedPlan`] lays them out.
     numbers: Vec<Numbers<W>>,
     /// The part of the method's step that comes next.
@@ -94,28 +69,10 @@ impl<F, const D: usize, const W: usize> Clone for LinkedLanes<F, D, W> {
     }
 }
 
-impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLanes<F, D, W>
-where
-    Width: Wide<W>,
-{
-    /// Lanes, none of them set, for so many bodies of a network under these effects. None where they cannot go side by
-    /// side.
-    pub(super) fn new<E: Effects<D, Forces<f64> = F>>(
-        network: &Network<D>,
-        effects: &E,
-        bodies: usize,
-        method: Splits,
-    ) -> Option<Self> {
-        let shape = network.shape(bodies).ok()?;
-        let (plan, links) =
-            (LinkedPlan::of(&shape, method.sums, false)?, Links::of(&shape, |_, group| Width::links(group))?);
-        let laws = vec![Law::new(network, shape, effects, bodies)?];
-        let stirring = RowStirring::of(|_| laws[0].shown(), &method);
-        let obeyed = Obeyed { laws, links, pulls: of_all(effects, bodies), over: None, stirring };
-        Some(Self::with(plan, obeyed, method))
-    }
-
-    fn with(plan: LinkedPlan, obeyed: Obeyed<F, D, W>, method: Splits) -> Self {
+impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLanes<F, D, W> {
+    /// Lanes, none of them set, of what is obeyed there.
+    pub(super) fn new((plan, mut obeyed): (LinkedPlan, LinkedLaws<F, D, W>), method: Splits) -> Self {
+        obeyed.stirring = RowStirring::of(|lane| obeyed.law(lane).shown(), &method);
         let (numbers, mut account) = (vec![zeros(); plan.places.kept], Account::default());
         if obeyed.stirring.is_some() {
             account.limits = vec![0.0; W];
@@ -130,46 +87,6 @@ where
             part: 0,
             account,
         }
-    }
-}
-
-impl<F: Forces<f64, D>, const D: usize> LinkedLanes<F, D, ROW> {
-    /// The same for a sweep, each trajectory in a network and under effects of its own, of the same topology. Lanes
-    /// beyond them obey what the first does.
-    pub(super) fn swept<E: Effects<D, Forces<f64> = F> + 'static>(
-        networks: &[&Network<D>],
-        effects: &[&E],
-        bodies: usize,
-        method: Splits,
-    ) -> Option<Self> {
-        let laws = networks
-            .iter()
-            .zip(effects)
-            .map(|(network, effects)| Law::new(network, network.shape(bodies).ok()?, *effects, bodies));
-        let laws = laws.collect::<Option<Vec<_>>>()?;
-        let of = |lane: usize| if lane < laws.len() { lane } else { 0 };
-        let pinned = |law: &Law<F, D>| law.masses.iter().map(|mass| mass[1] == 0.0).collect::<Vec<_>>();
-        let first = &laws[0];
-        if laws.iter().any(|law| {
-            law.system.shape.groups.len() != first.system.shape.groups.len() || pinned(law) != pinned(first)
-        }) {
-            return None;
-        }
-        let apart = laws.iter().any(|law| law.masses != first.masses);
-        let plan = LinkedPlan::of(&first.system.shape, method.sums, apart)?;
-        let links = Links::of(&first.system.shape, |number, group| {
-            let groups: Vec<_> = laws.iter().map(|law| &*law.system.shape.groups[number]).collect();
-            group.swept(&groups)
-        })?;
-        let over = |c: usize| Lanes(from_fn(|lane| Fused(laws[of(lane)].masses[c][1])));
-        let obeyed = Obeyed {
-            over: apart.then(|| (0..plan.coordinates).map(over).collect()),
-            links,
-            pulls: of_each(|lane| effects[of(lane)], bodies),
-            stirring: RowStirring::of(|lane| laws[of(lane)].shown(), &method),
-            laws: (0..ROW).map(|lane| laws[of(lane)].clone()).collect(),
-        };
-        Some(Self::with(plan, obeyed, method))
     }
 }
 
@@ -204,16 +121,12 @@ where
 impl<F, const D: usize, const W: usize> LinkedLanes<F, D, W> {
     /// What a lane obeys.
     fn law(&self, lane: usize) -> &Law<F, D> {
-        &self.obeyed.laws[self.number_of_law(lane)]
-    }
-
-    fn number_of_law(&self, lane: usize) -> usize {
-        if self.obeyed.laws.len() == 1 { 0 } else { lane }
+        self.obeyed.law(lane)
     }
 
     fn course(&self) -> Course<'_, W> {
         let Common { plan, method: Splits { parts, equal, sums, set, .. } } = &*self.common;
-        let Obeyed { links, over, .. } = &*self.obeyed;
+        let LinkedLaws { links, over, .. } = &*self.obeyed;
         Course { plan, links, over: over.as_deref(), parts, equal: *equal, sums: *sums, set: *set }
     }
 }
@@ -306,7 +219,7 @@ where
         let course = self.course();
         let mut bodies: Vec<_> = self.obeyed.laws.iter().map(|_| None).collect();
         let mut apart = |lane: usize, part: &Part, numbers: &[Numbers<W>]| {
-            let law = self.number_of_law(lane);
+            let law = self.obeyed.number_of_law(lane);
             go_apart(common, &self.obeyed.laws[law], lane, part, numbers, &mut bodies[law])
         };
         let (n, mut account) = (self.bodies_of_each(), self.account.clone());
@@ -445,22 +358,9 @@ where
     }
 
     fn obey(&mut self, from: usize, to: usize) {
-        if self.obeyed.laws.len() == 1 && self.obeyed.stirring.is_none() {
-            return;
+        if !self.obeyed.alike() {
+            Arc::make_mut(&mut self.obeyed).copy(from, to);
         }
-        let Obeyed { laws, links, pulls, over, stirring } = Arc::make_mut(&mut self.obeyed);
-        if let Some(stirring) = stirring {
-            stirring.copy(from, to);
-        }
-        if laws.len() == 1 {
-            return;
-        }
-        laws[to] = laws[from].clone();
-        links.copy(from, to);
-        if let Some(pulls) = pulls {
-            pulls.copy(from, to);
-        }
-        over.iter_mut().flatten().for_each(|over| over.0[to] = over.0[from]);
     }
 
     fn obey_as_in(&mut self, engine: &dyn Engine<D>) {

@@ -8,13 +8,17 @@ use crate::motion::bodies::{Body, Many};
 use crate::motion::parts::{Given, Parts};
 use crate::motion::state::State;
 use crate::motion::witness::Witness;
-use crate::number::lanes::Fused;
-use crate::run::ensemble::linked_plan::masses;
+use crate::number::lanes::{Fused, Lanes};
+use crate::run::ensemble::forces_in_lanes::{Pulls, of_all, of_each};
+use crate::run::ensemble::linked_going::{Wide, Width};
+use crate::run::ensemble::linked_plan::{LinkedPlan, Links, masses};
+use crate::run::ensemble::linked_row::LinkedRow;
 use crate::run::ensemble::linked_stirring::{Question, RowStirring, vectors};
 use crate::systems::linked::Linked;
 use crate::systems::network::Network;
-use crate::systems::network::in_lanes::Numbers;
+use crate::systems::network::in_lanes::{Numbers, ROW};
 use crate::systems::network::shape::Shape;
+use std::array::from_fn;
 use std::sync::Arc;
 
 /// A network, what moves a lane of it as a simulation does, and the mass and 1 over it of each coordinate.
@@ -50,6 +54,127 @@ impl<F: Forces<f64, D>, const D: usize> Law<F, D> {
         let start = State { bodies: bodies.to_vec(), ..State::of(none) };
         let (effects, count) = (self.system.effects.clone(), Many(bodies.len()));
         Linked::ready(&self.network, effects, count, &start, h, false).ok()
+    }
+}
+
+/// What the lanes of a row obey.
+pub(super) struct LinkedLaws<F, const D: usize, const W: usize> {
+    /// One for all lanes, or one for each.
+    pub(super) laws: Vec<Law<F, D>>,
+    pub(super) links: Links<W>,
+    pub(super) pulls: Option<Box<dyn Pulls<LinkedRow, W>>>,
+    /// 1 over the masses of all lanes, where they differ.
+    pub(super) over: Option<Vec<Numbers<W>>>,
+    /// Flows, or momenta that are drawn anew.
+    pub(super) stirring: Option<Box<RowStirring<W>>>,
+}
+
+impl<F: Clone, const D: usize, const W: usize> Clone for LinkedLaws<F, D, W> {
+    fn clone(&self) -> Self {
+        let Self { laws, links, pulls, over, stirring } = self;
+        let pulls = pulls.as_ref().map(|pulls| pulls.boxed());
+        Self {
+            laws: laws.clone(),
+            links: links.clone(),
+            pulls,
+            over: over.clone(),
+            stirring: stirring.clone(),
+        }
+    }
+}
+
+impl<F, const D: usize, const W: usize> LinkedLaws<F, D, W> {
+    /// What a lane obeys.
+    pub(super) fn law(&self, lane: usize) -> &Law<F, D> {
+        &self.laws[self.number_of_law(lane)]
+    }
+
+    pub(super) fn number_of_law(&self, lane: usize) -> usize {
+        if self.laws.len() == 1 { 0 } else { lane }
+    }
+
+    /// Whether all lanes obey the same.
+    pub(super) fn alike(&self) -> bool {
+        self.laws.len() == 1 && self.stirring.is_none()
+    }
+
+    /// Has lane `to` obey what lane `from` does.
+    pub(super) fn copy(&mut self, from: usize, to: usize)
+    where
+        F: Clone,
+    {
+        let Self { laws, links, pulls, over, stirring } = self;
+        if let Some(stirring) = stirring {
+            stirring.copy(from, to);
+        }
+        if laws.len() == 1 {
+            return;
+        }
+        laws[to] = laws[from].clone();
+        links.copy(from, to);
+        if let Some(pulls) = pulls {
+            pulls.copy(from, to);
+        }
+        over.iter_mut().flatten().for_each(|over| over.0[to] = over.0[from]);
+    }
+}
+
+impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLaws<F, D, W>
+where
+    Width: Wide<W>,
+{
+    /// The same for all lanes: so many bodies of a network under these effects. None where they cannot go side by side.
+    pub(super) fn by_all<E: Effects<D, Forces<f64> = F>>(
+        network: &Network<D>,
+        effects: &E,
+        bodies: usize,
+        sums: bool,
+    ) -> Option<(LinkedPlan, Self)> {
+        let shape = network.shape(bodies).ok()?;
+        let (plan, links) =
+            (LinkedPlan::of(&shape, sums, false)?, Links::of(&shape, |_, group| Width::links(group))?);
+        let laws = vec![Law::new(network, shape, effects, bodies)?];
+        Some((plan, Self { laws, links, pulls: of_all(effects, bodies), over: None, stirring: None }))
+    }
+}
+
+impl<F: Forces<f64, D>, const D: usize> LinkedLaws<F, D, ROW> {
+    /// For a sweep, each trajectory in a network and under effects of its own, of the same topology. Lanes beyond them
+    /// obey what the first does.
+    pub(super) fn by_each<E: Effects<D, Forces<f64> = F> + 'static>(
+        networks: &[&Network<D>],
+        effects: &[&E],
+        bodies: usize,
+        sums: bool,
+    ) -> Option<(LinkedPlan, Self)> {
+        let laws = networks
+            .iter()
+            .zip(effects)
+            .map(|(network, effects)| Law::new(network, network.shape(bodies).ok()?, *effects, bodies));
+        let laws = laws.collect::<Option<Vec<_>>>()?;
+        let of = |lane: usize| if lane < laws.len() { lane } else { 0 };
+        let pinned = |law: &Law<F, D>| law.masses.iter().map(|mass| mass[1] == 0.0).collect::<Vec<_>>();
+        let first = &laws[0];
+        if laws.iter().any(|law| {
+            law.system.shape.groups.len() != first.system.shape.groups.len() || pinned(law) != pinned(first)
+        }) {
+            return None;
+        }
+        let apart = laws.iter().any(|law| law.masses != first.masses);
+        let plan = LinkedPlan::of(&first.system.shape, sums, apart)?;
+        let links = Links::of(&first.system.shape, |number, group| {
+            let groups: Vec<_> = laws.iter().map(|law| &*law.system.shape.groups[number]).collect();
+            group.swept(&groups)
+        })?;
+        let over = |c: usize| Lanes(from_fn(|lane| Fused(laws[of(lane)].masses[c][1])));
+        let obeyed = Self {
+            over: apart.then(|| (0..plan.coordinates).map(over).collect()),
+            links,
+            pulls: of_each(|lane| effects[of(lane)], bodies),
+            stirring: None,
+            laws: (0..ROW).map(|lane| laws[of(lane)].clone()).collect(),
+        };
+        Some((plan, obeyed))
     }
 }
 

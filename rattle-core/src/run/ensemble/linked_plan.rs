@@ -561,4 +561,21 @@ impl<const W: usize> Links<W> {
             }
         }
     }
+
+    /// d²g/dt² at these coordinates along constant velocities, and |∇²g v|².
+    #[inline(always)]
+    pub(super) fn bends(
+        &self,
+        set: Fusing,
+        of: [&[Numbers<W>]; 2],
+        bends: &mut [Numbers<W>],
+        turns: &mut [Numbers<W>],
+    ) {
+        for OfOneKind { links, runs, equations, .. } in &self.0 {
+            for (members, row, _) in runs {
+                let rows = *row..*row + members.len() * equations;
+                links.bends(set, members.clone(), of, &mut bends[rows.clone()], &mut turns[rows]);
+            }
+        }
+    }
 }

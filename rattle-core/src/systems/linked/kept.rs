@@ -199,6 +199,13 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     }
 }
 
+impl<F: Forces<f64, D>, const D: usize> Kept<F, D> {
+    /// How far other sheets were looked for, and whether there were some.
+    pub(crate) fn asked(&mut self) -> &mut Asked {
+        &mut self.tied.asked
+    }
+}
+
 impl<F: Forces<f64, D>, const D: usize> fmt::Debug for Kept<F, D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut debug = f.debug_struct("Kept");

@@ -4,7 +4,7 @@ use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::systems::network::dense::sizes_are_compiled;
 use crate::systems::network::group::LinkGroup;
-use crate::systems::network::in_lanes::{Bending, Number, Numbers, ROW};
+use crate::systems::network::in_lanes::{Number, Numbers, ROW, RowLinks};
 use crate::systems::network::mass::Root;
 use crate::systems::network::rows::{Rows, Run};
 use std::collections::BTreeMap;
@@ -39,7 +39,7 @@ pub(crate) struct AlikeLinks {
 
 /// Links of one kind, their members, and their equations.
 struct OfKind {
-    links: Box<dyn Bending>,
+    links: Box<dyn RowLinks<ROW>>,
     members: Range<usize>,
     rows: Range<usize>,
     /// How many entries their gradients have.

@@ -5,7 +5,7 @@ use crate::kernel::kinks::{Kink, first_kink, sign_changes};
 use crate::kernel::over::short_name;
 use crate::kernel::series::AnyOrder;
 use crate::number::lanes::{Fused, side_by_side};
-use crate::systems::network::in_lanes::{Bending, FEW, LinksInLanes, Number, ROW, RowLinks, SweptLinks};
+use crate::systems::network::in_lanes::{FEW, LinksInLanes, Number, ROW, RowLinks, SweptLinks};
 use crate::systems::network::places::{Evaluated, Places};
 use std::any::Any;
 use std::array::from_fn;
@@ -69,7 +69,8 @@ pub(crate) trait LinkGroup<const D: usize>: Any + Debug + Send + Sync {
 
     /// Some members with other numbers of their bodies, for components that are alike, side by side; none also where
     /// the group's parameters differ.
-    fn alike(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Option<Box<dyn Bending>>;
+    fn alike(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize)
+    -> Option<Box<dyn RowLinks<ROW>>>;
 
     /// The same for the trajectories of a sweep, each with the parameters of its own group, the first of which is this
     /// one; none also where groups are of other kinds, or tie other bodies.
@@ -102,7 +103,7 @@ pub(crate) struct Links<G, const K: usize, const M: usize, const A: usize, const
     pub(crate) kernels: Vec<G>,
     pub(crate) members: Vec<[usize; A]>,
     pub(crate) acting: Option<[[bool; D]; A]>,
-    in_lanes: fn(&Self) -> Box<dyn Bending>,
+    in_lanes: fn(&Self) -> Box<dyn RowLinks<ROW>>,
     in_few_lanes: fn(&Self) -> Box<dyn RowLinks<FEW>>,
     swept: fn(&[&Self]) -> Box<dyn RowLinks<ROW>>,
 }
@@ -309,13 +310,17 @@ where
     }
 
     fn in_lanes(&self) -> Option<Box<dyn RowLinks<ROW>>> {
-        self.goes_in_lanes().then(|| (self.in_lanes)(self) as Box<dyn RowLinks<ROW>>)
+        self.goes_in_lanes().then(|| (self.in_lanes)(self))
     }
     fn in_few_lanes(&self) -> Option<Box<dyn RowLinks<FEW>>> {
         self.goes_in_lanes().then(|| (self.in_few_lanes)(self))
     }
 
-    fn alike(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Option<Box<dyn Bending>> {
+    fn alike(
+        &self,
+        members: Range<usize>,
+        number: &dyn Fn(usize) -> usize,
+    ) -> Option<Box<dyn RowLinks<ROW>>> {
         let may = self.goes_in_lanes() && self.kernels.len() == 1;
         may.then(|| (self.in_lanes)(&self.some(members, number)))
     }

@@ -79,18 +79,14 @@ pub(crate) trait RowLinks<const W: usize>: Send + Sync {
         g: &mut [Numbers<W>],
         gradients: &mut [Numbers<W>],
     );
-}
-
-/// Links of which second derivatives are known in lanes, too.
-pub(crate) trait Bending: RowLinks<ROW> {
-    /// d²g/dt² along constant velocities, and |∇²g v|², of some members.
+    /// d²g/dt² at coordinates along constant velocities, and |∇²g v|², of some members.
     fn bends(
         &self,
         set: Fusing,
         members: Range<usize>,
-        q: [&[Numbers<ROW>]; 2],
-        bends: &mut [Numbers<ROW>],
-        turns: &mut [Numbers<ROW>],
+        of: [&[Numbers<W>]; 2],
+        bends: &mut [Numbers<W>],
+        turns: &mut [Numbers<W>],
     );
 }
 
@@ -138,6 +134,17 @@ where
     ) {
         set.run(Gradients { links: self, members, q, g, gradients });
     }
+
+    fn bends(
+        &self,
+        set: Fusing,
+        members: Range<usize>,
+        [q, v]: [&[Numbers<W>]; 2],
+        bends: &mut [Numbers<W>],
+        turns: &mut [Numbers<W>],
+    ) {
+        set.run(Bends { links: self, members, q, v, bends, turns });
+    }
 }
 
 struct Gradients<'a, H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> {
@@ -171,33 +178,17 @@ where
     }
 }
 
-impl<H, const K: usize, const M: usize, const A: usize, const D: usize> Bending
-    for LinksInLanes<H, K, M, A, D>
-where
-    H: ConstraintKernel<Number, K, M>,
-{
-    fn bends(
-        &self,
-        set: Fusing,
-        members: Range<usize>,
-        [q, v]: [&[Numbers<ROW>]; 2],
-        bends: &mut [Numbers<ROW>],
-        turns: &mut [Numbers<ROW>],
-    ) {
-        set.run(Bends { links: self, members, q, v, bends, turns });
-    }
-}
-
-struct Bends<'a, H, const K: usize, const M: usize, const A: usize, const D: usize> {
+struct Bends<'a, H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> {
     links: &'a LinksInLanes<H, K, M, A, D>,
     members: Range<usize>,
-    q: &'a [Numbers<ROW>],
-    v: &'a [Numbers<ROW>],
-    bends: &'a mut [Numbers<ROW>],
-    turns: &'a mut [Numbers<ROW>],
+    q: &'a [Numbers<W>],
+    v: &'a [Numbers<W>],
+    bends: &'a mut [Numbers<W>],
+    turns: &'a mut [Numbers<W>],
 }
 
-impl<H, const K: usize, const M: usize, const A: usize, const D: usize> Work for Bends<'_, H, K, M, A, D>
+impl<H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> Work
+    for Bends<'_, H, K, M, A, D, W>
 where
     H: ConstraintKernel<Number, K, M>,
 {
@@ -209,23 +200,26 @@ where
         let rows = bends.as_chunks_mut::<M>().0.iter_mut().zip(turns.as_chunks_mut::<M>().0);
         for (member, (bends, turns)) in members.zip(rows) {
             let (kernel, bodies) = (links.kernel(member), &links.members[member]);
-            let of = [q, v].map(|of| places::<K, A, D, ROW>(bodies, of));
-            bends_of::<H, K, M>(&kernel, of, bends, turns);
+            let of = [q, v].map(|of| places::<K, A, D, W>(bodies, of));
+            bends_of::<H, &H, K, M, W>(|_| &kernel, of, bends, turns);
         }
     }
 }
 
 /// See [`gradients_of`].
 #[inline(always)]
-fn bends_of<H: ConstraintKernel<Number, K, M>, const K: usize, const M: usize>(
-    kernel: &H,
-    [q, v]: [[&Numbers<ROW>; K]; 2],
-    bends: &mut [Numbers<ROW>; M],
-    turns: &mut [Numbers<ROW>; M],
-) {
-    for l in 0..ROW {
+fn bends_of<H, B, const K: usize, const M: usize, const W: usize>(
+    kernel: impl Fn(usize) -> B,
+    [q, v]: [[&Numbers<W>; K]; 2],
+    bends: &mut [Numbers<W>; M],
+    turns: &mut [Numbers<W>; M],
+) where
+    H: ConstraintKernel<Number, K, M>,
+    B: Borrow<H>,
+{
+    for l in 0..W {
         let direction = from_fn(|k| v[k].0[l]);
-        let rows = kernel.hessian_vector(&from_fn(|k| q[k].0[l]), &direction);
+        let rows = kernel(l).borrow().hessian_vector(&from_fn(|k| q[k].0[l]), &direction);
         for i in 0..M {
             (bends[i].0[l], turns[i].0[l]) = (dot(&rows[i], &direction), dot(&rows[i], &rows[i]));
         }
@@ -291,6 +285,17 @@ where
     ) {
         set.run(SweptGradients { links: self, members, q, g, gradients });
     }
+
+    fn bends(
+        &self,
+        set: Fusing,
+        members: Range<usize>,
+        [q, v]: [&[Numbers<ROW>]; 2],
+        bends: &mut [Numbers<ROW>],
+        turns: &mut [Numbers<ROW>],
+    ) {
+        set.run(SweptBends { links: self, members, q, v, bends, turns });
+    }
 }
 
 struct SweptGradients<'a, C: Constraint<K, M>, const K: usize, const M: usize, const A: usize, const D: usize>
@@ -319,6 +324,37 @@ impl<C: Constraint<K, M>, const K: usize, const M: usize, const A: usize, const 
                 places,
                 g,
                 rows,
+            );
+        }
+    }
+}
+
+struct SweptBends<'a, C: Constraint<K, M>, const K: usize, const M: usize, const A: usize, const D: usize> {
+    links: &'a SweptLinks<C, K, M, A, D>,
+    members: Range<usize>,
+    q: &'a [Numbers<ROW>],
+    v: &'a [Numbers<ROW>],
+    bends: &'a mut [Numbers<ROW>],
+    turns: &'a mut [Numbers<ROW>],
+}
+
+impl<C: Constraint<K, M>, const K: usize, const M: usize, const A: usize, const D: usize> Work
+    for SweptBends<'_, C, K, M, A, D>
+{
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { links: SweptLinks { kernels, members: all }, members, q, v, bends, turns } = self;
+        let rows = bends.as_chunks_mut::<M>().0.iter_mut().zip(turns.as_chunks_mut::<M>().0);
+        for (member, (bends, turns)) in members.zip(rows) {
+            let kernel = kernels[if kernels.len() == 1 { 0 } else { member }].clone();
+            let of = [q, v].map(|of| places::<K, A, D, ROW>(&all[member], of));
+            bends_of::<C::Kernel<Number>, _, K, M, ROW>(
+                |lane| C::map_kernel(&kernel, |number| number.0[lane]),
+                of,
+                bends,
+                turns,
             );
         }
     }

@@ -1,0 +1,273 @@
+//! Linked bodies in lanes, by steps that are [projected](crate::run::ensemble::linked_projected) onto their
+//! constraints.
+
+use crate::effect::list::Forces;
+use crate::error::Error;
+use crate::methods::dop853::Dop853;
+use crate::methods::dop853_table::STAGES;
+use crate::motion::bodies::{Body, Many};
+use crate::motion::failure::Failure;
+use crate::motion::method::Method;
+use crate::motion::parts::Parts;
+use crate::motion::record::{Hallmark, Reading, Record};
+use crate::number::instructions::Fusing;
+use crate::number::lanes::Fused;
+use crate::run::answers::{Obeying, forces};
+use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::forces_in_lanes::Pulling;
+use crate::run::ensemble::linked_going::{Wide, Width};
+use crate::run::ensemble::linked_law::{Law, LinkedLaws};
+use crate::run::ensemble::linked_plan::LinkedPlan;
+use crate::run::ensemble::linked_projected::{Desk, ProjectedSteps};
+use crate::run::ensemble::linked_projected_row::Kept;
+use crate::run::ensemble::linked_row::{Course, LinkedRow};
+use crate::run::fingerprint::of_system;
+use crate::solve::crowd::Asked;
+use crate::systems::linked::Linked;
+use crate::systems::network::constraints;
+use crate::systems::network::in_lanes::{Numbers, zeros};
+use std::any::Any;
+use std::array::from_fn;
+use std::hint::black_box;
+use std::sync::Arc;
+
+/// A row of trajectories of linked bodies.
+pub(super) struct LinkedProjected<F, const D: usize, const W: usize> {
+    plan: Arc<LinkedPlan>,
+    laws: Arc<LinkedLaws<F, D, W>>,
+    kept: Kept<W>,
+    method: Dop853,
+    set: Fusing,
+}
+
+impl<F, const D: usize, const W: usize> Clone for LinkedProjected<F, D, W> {
+    fn clone(&self) -> Self {
+        let Self { plan, laws, kept, method, set } = self;
+        Self { plan: plan.clone(), laws: laws.clone(), kept: kept.clone(), method: *method, set: *set }
+    }
+}
+
+impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedProjected<F, D, W> {
+    /// Lanes, none of them set, of what is obeyed there.
+    pub(super) fn new((plan, laws): (LinkedPlan, LinkedLaws<F, D, W>), method: Dop853, set: Fusing) -> Self {
+        let kept = Kept::new(plan.coordinates);
+        Self { plan: Arc::new(plan), laws: Arc::new(laws), kept, method, set }
+    }
+
+    /// The bodies of a lane.
+    fn bodies_of(&self, kept: &Kept<W>, lane: usize) -> Vec<Body<f64, D>> {
+        let (masses, [q, v, q_low, v_low]) = (&self.laws.law(lane).masses, &kept.state);
+        let vector = |of: &[Numbers<W>], body: usize| -> [f64; D] { from_fn(|d| of[body * D + d].0[lane].0) };
+        let momentum = |of: &[Numbers<W>], body: usize| -> [f64; D] {
+            from_fn(|d| masses[body * D + d][0] * of[body * D + d].0[lane].0)
+        };
+        let body = |body| Body {
+            q: vector(q, body),
+            q_low: vector(q_low, body),
+            p: momentum(v, body),
+            p_low: momentum(v_low, body),
+        };
+        (0..self.plan.coordinates / D).map(body).collect()
+    }
+
+    /// Where bodies that obey what a lane does are after steps in so many parts, each looked at as in a simulation,
+    /// where other sheets were looked for so far; and whether there are some.
+    #[cold]
+    #[inline(never)]
+    fn alone(
+        &self,
+        law: &Law<F, D>,
+        bodies: &[Body<f64, D>],
+        [from, steps]: [u64; 2],
+        parts: u32,
+        reach: f64,
+    ) -> Result<(Vec<Body<f64, D>>, bool), Failure> {
+        let h = self.method.step_size();
+        let ready = law.ready(bodies, h);
+        let system = ready.as_ref().unwrap_or(&law.system);
+        let part = self.method.with_step(h / f64::from(parts));
+        let mut bodies = system.bodies(bodies, 0.0);
+        part.prepare::<f64, Linked<F, Many, D>, D>((system, system), &mut bodies);
+        *bodies.kept.asked() = Asked { steps: from, reach, near: false };
+        for _ in 0..steps * u64::from(parts) {
+            part.step::<f64, Linked<F, Many, D>, _, D>((system, system), &mut bodies, &mut [], &mut ())?;
+        }
+        Ok((bodies.all(), bodies.kept.asked().near))
+    }
+
+    /// Takes a lane through a step by itself. Returns how far the step may have led astray, and how far it led.
+    #[cold]
+    #[inline(never)]
+    fn step_alone(&self, lane: usize, number: u64, kept: &mut Kept<W>) -> Result<[f64; 2], Stuck> {
+        let (law, start) = (self.laws.law(lane), self.bodies_of(kept, lane));
+        let stuck = |failure| Stuck { lane, failure };
+        let alone = self.alone(law, &start, [number, 1], 1, kept.asked.0[lane].0);
+        let (end, near) = alone.map_err(|failure| stuck(Some(failure)))?;
+        if near {
+            return Err(stuck(None));
+        }
+        put(&law.masses, kept, lane, &end);
+        let (mut strays, mut path, half) = (0.0_f64, 0.0_f64, 0.5 * self.method.step_size());
+        for (c, [_, over]) in law.masses.iter().enumerate() {
+            let (start, end, d) = (&start[c / D], &end[c / D], c % D);
+            let way = end.q[d] - start.q[d];
+            (strays, path) =
+                (strays.max((way - half * over * (start.p[d] + end.p[d])).abs()), path.max(way.abs()));
+        }
+        Ok([strays, path])
+    }
+}
+
+/// Puts bodies of these masses into a lane.
+fn put<const D: usize, const W: usize>(
+    masses: &[[f64; 2]],
+    kept: &mut Kept<W>,
+    lane: usize,
+    bodies: &[Body<f64, D>],
+) {
+    let [q, v, q_low, v_low] = &mut kept.state;
+    for (c, [_, over]) in masses.iter().enumerate() {
+        let (body, d) = (&bodies[c / D], c % D);
+        q[c].0[lane] = Fused(body.q[d]);
+        q_low[c].0[lane] = Fused(body.q_low[d]);
+        v[c].0[lane] = Fused(over * body.p[d]);
+        v_low[c].0[lane] = Fused(over * body.p_low[d]);
+    }
+}
+
+impl<F: Forces<f64, D>, const D: usize, const W: usize> Engine<D> for LinkedProjected<F, D, W>
+where
+    Width: Wide<W>,
+{
+    fn width(&self) -> usize {
+        W
+    }
+
+    fn boxed(&self) -> Box<dyn Engine<D>> {
+        Box::new(self.clone())
+    }
+
+    fn bodies_of_each(&self) -> usize {
+        self.plan.coordinates / D
+    }
+
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
+        let LinkedLaws { links, over, pulls, .. } = &*self.laws;
+        let (plan, over) = (&*self.plan, over.as_deref());
+        let course = Course { plan, links, over, parts: &[], equal: false, sums: true, set: self.set };
+        let (mut kept, n) = (self.kept.clone(), self.bodies_of_each());
+        let mut room = pulls.as_ref().map(|pulls| pulls.begin());
+        let mut desk = Desk::new(course, self.method, D);
+        while let Some(Leg { from, steps, written, .. }) = tour.next() {
+            Width::project(ProjectedSteps {
+                pulling: room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<LinkedRow, W>),
+                apart: &mut |lane, number, kept| self.step_alone(lane, number, kept),
+                desk: &mut desk,
+                kept: &mut kept,
+                from,
+                steps,
+            })?;
+            if let Some(written) = written {
+                let bodies = (0..W).flat_map(|lane| self.bodies_of(&kept, lane)).collect::<Vec<_>>();
+                written.fill(W * n, |i| bodies[i].q, |i| bodies[i].p);
+            }
+        }
+        Ok(Box::new(Self { kept, ..self.clone() }))
+    }
+
+    fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
+        let (law, kept) = (self.laws.law(lane), &mut self.kept);
+        put(&law.masses, kept, lane, bodies);
+        (kept.asked.0[lane], kept.astray.0[lane]) = (Fused(0.0), Fused(0.0));
+        let ahead = law.system.bodies(bodies, 0.0);
+        let independent = law.system.freedom(&ahead) + self.plan.equations == self.plan.moving.len();
+        let narrow = self.plan.equations > constraints::FEW
+            && law.ready(bodies, self.method.step_size()).is_none_or(|system| system.is_narrow());
+        let finite = bodies.iter().all(|body| body.q.iter().chain(&body.p).all(|x| x.is_finite()));
+        independent && !narrow && finite
+    }
+
+    fn copy(&mut self, from: usize, to: usize) {
+        self.kept.all().for_each(|numbers| numbers.0[to] = numbers.0[from]);
+    }
+
+    fn obey(&mut self, from: usize, to: usize) {
+        if !self.laws.alike() {
+            Arc::make_mut(&mut self.laws).copy(from, to);
+        }
+    }
+
+    fn obey_as_in(&mut self, engine: &dyn Engine<D>) {
+        if let Some(Self { laws, .. }) = (engine as &dyn Any).downcast_ref() {
+            self.laws = laws.clone();
+        }
+    }
+
+    fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
+        self.bodies_of(&self.kept, lane)
+    }
+
+    fn by_itself(
+        &self,
+        lane: usize,
+        bodies: &[Body<f64, D>],
+        _: u64,
+        steps: u64,
+        parts: u32,
+        _: &mut u64,
+    ) -> Result<Moved<D>, Failure> {
+        let (bodies, _) = self.alone(self.laws.law(lane), bodies, [0, steps], parts, 0.0)?;
+        Ok((bodies, 0.0))
+    }
+
+    fn kick_alone(&self, steps: u32) {
+        let Some(pulls) = &self.laws.pulls else { return };
+        let (mut pulling, plan) = (pulls.begin(), &*self.plan);
+        let mut kicked = vec![zeros(); plan.coordinates];
+        for _ in 0..steps * STAGES as u32 {
+            pulling.pull(self.set, 1e-9, (black_box(&self.kept.state[0]), &plan.masses, &mut kicked));
+        }
+        black_box(kicked);
+    }
+
+    fn forces(&self) -> Vec<&'static str> {
+        forces(self.system(0), &self.bodies(0))
+    }
+
+    fn record(&self, to: &mut Record) {
+        let mut kept = self.kept.clone();
+        let numbers: Vec<_> = kept.all().flat_map(|numbers| numbers.0.map(|x| x.0)).collect();
+        to.numbers("numbers", &[numbers.len() / W, W], numbers);
+    }
+
+    fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
+        let mut again = self.clone();
+        let number = again.kept.all().count();
+        let numbers = from.numbers("numbers", &[number, W])?;
+        for (to, from) in again.kept.all().zip(numbers.chunks_exact(W)) {
+            to.0.iter_mut().zip(from).for_each(|(to, &from)| *to = Fused(from));
+        }
+        Ok(Box::new(again))
+    }
+
+    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
+        of_system(self.system(lane), bodies, 0.0)
+    }
+
+    fn method(&self) -> Hallmark {
+        let (method, tolerance) = (&self.method, self.method.tolerance().unwrap_or(0.0));
+        Hallmark::new("method", method.name(), vec![f64::from(method.order()), method.step_size(), tolerance])
+    }
+}
+
+impl<F: Forces<f64, D>, const D: usize, const W: usize> Obeying<D> for LinkedProjected<F, D, W> {
+    type System = Linked<F, Many, D>;
+
+    fn system(&self, lane: usize) -> &Self::System {
+        &self.laws.law(lane).system
+    }
+
+    fn step_size(&self) -> f64 {
+        self.method.step_size()
+    }
+}
