@@ -161,6 +161,30 @@ fn a_hamiltonian_that_is_no_number_is_no_constraint() {
     }
 }
 
+phase_constraint! {
+    /// Of which nothing is left where q₀ and p₀ are nothing, as they are where {g, H} is.
+    struct Twisted {}
+    |q: [f64; 2], p: [f64; 2]| q[0] * p[1] - q[1] * p[0] - q[0]
+}
+hamiltonian! {
+    struct Falling {}
+    |q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + q[1]
+}
+
+/// What `project` gives is a start, also where all that g is made of is rounding.
+#[test]
+fn rounding_of_nothing_is_a_start() {
+    let scene = Scene::in_phase_space(Twisted {}, Falling {});
+    let start = scene.project(&State::at([1.0, 0.2]).moving([0.1, 1.0])).unwrap();
+    assert!(start.positions().all(|q| q.x != 0.0 && q.x.abs() < 1e-15), "{start:?}");
+    let mut simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
+    simulation.run(100).unwrap();
+    assert!(simulation.position().x.abs() < 1e-14);
+    // What is off by more than rounding is none.
+    let off = State::at([1e-12, 0.2]).moving([0.0, 2.0]);
+    assert!(matches!(refused(scene.simulate(off, Rattle::new(0.01))), Error::Start { .. }));
+}
+
 #[test]
 fn a_body_is_pinned_at_one_place() {
     let scene = Scene::points(2).link(Rod { length: 1.0 }, [[0, 1]]).pin(0, [0.0; 3]);

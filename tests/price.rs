@@ -57,7 +57,8 @@ fn orders_and_errors_are_those_of_the_methods() {
 fn like_alone(prices: &Prices, lanes: Candidate, method: Candidate, rounding: f64) -> Vec<(&Price, &Price)> {
     let rows = |method: Candidate| prices.rows.iter().filter(move |row| row.method == method);
     let both = rows(lanes).flat_map(|row| rows(method).map(move |alone| (row, alone)));
-    let both: Vec<_> = both.filter(|(row, alone)| row.h == alone.h).collect();
+    let both: Vec<_> =
+        both.filter(|(row, alone)| (row.h, row.tolerance) == (alone.h, alone.tolerance)).collect();
     for (row, alone) in &both {
         let [a, b] = [row, alone].map(|row| row.position.unwrap());
         assert!((a - b).abs() <= rounding + 1e-9 * b, "{lanes}: {a:e} and {b:e} at h = {}", row.h);

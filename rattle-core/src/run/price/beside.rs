@@ -3,6 +3,7 @@
 use crate::effect::list::Effects;
 use crate::error::{Error, PriceMistake};
 use crate::methods::composition::Composition;
+use crate::methods::dop853::Dop853;
 use crate::methods::lobatto::Lobatto;
 use crate::methods::rattle::Rattle;
 use crate::motion::bodies::Count;
@@ -12,7 +13,7 @@ use crate::motion::state::State;
 use crate::run::ensemble::precision::{Compensated, Double, Single};
 use crate::run::ensemble::trajectories::Ensemble;
 use crate::run::price::candidate::{Candidate, Numbers};
-use crate::run::price::moving::Moving;
+use crate::run::price::moving::{Moving, Rung};
 use crate::run::watch::seen::Seen;
 use crate::scene::Scene;
 
@@ -24,20 +25,19 @@ pub(super) struct Beside<C, E, N, const D: usize> {
 }
 
 type Make<C, E, N, const D: usize> =
-    fn(&Scene<C, E, N, D>, &[State<D>], Candidate, Numbers, f64) -> Result<Ensemble<D>, Error>;
+    fn(&Scene<C, E, N, D>, &[State<D>], Rung, Numbers) -> Result<Ensemble<D>, Error>;
 
-/// The ensemble of a method with steps of `h`.
+/// The ensemble of a method with steps of `h`, and the tolerance if the method has one.
 ///
 /// Numbers are double where [`Candidate::LANES`] names no others, so that lanes of no others are compiled.
 pub(super) fn ensemble<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize>(
     scene: &Scene<C, E, N, D>,
     starts: &[State<D>],
-    method: Candidate,
+    Rung { candidate, h, tolerance }: Rung,
     numbers: Numbers,
-    h: f64,
 ) -> Result<Ensemble<D>, Error> {
     let starts = starts.iter().cloned();
-    match (method, numbers) {
+    match (candidate, numbers) {
         (Candidate::Rattle, Numbers::Single) if const { on_surfaces::<C, D>() } => {
             scene.ensemble_in(Single, starts, Rattle::new(h))
         }
@@ -49,6 +49,9 @@ pub(super) fn ensemble<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: u
             scene.ensemble(starts, Composition::new(coefficients, h))
         }
         // What does not go side by side is not compiled.
+        (Candidate::Dop853, _) if const { on_surfaces::<C, D>() || matches!(C::KIND, Kind::Network) } => {
+            scene.ensemble(starts, Dop853::adaptive(h, tolerance))
+        }
         _ if const { !on_surfaces::<C, D>() } => Err(Error::Price(PriceMistake::OneByOne)),
         (Candidate::Lobatto3, _) => scene.ensemble(starts, Lobatto::<3>::new(h).guess(Extrapolated)),
         (Candidate::Lobatto5, _) => scene.ensemble(starts, Lobatto::<5>::new(h).guess(Extrapolated)),
@@ -67,19 +70,18 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Beside<C, E, N, D> {
     pub(super) fn begin<'a>(
         &'a self,
         scene: &'a Scene<C, E, N, D>,
-        method: Candidate,
+        rung: Rung,
         numbers: Numbers,
-        h: f64,
         energy: f64,
     ) -> Result<Box<dyn Moving + 'a>, Error> {
-        let ensemble = (self.make)(scene, &self.starts, method, numbers, h)?;
+        let ensemble = (self.make)(scene, &self.starts, rung, numbers)?;
         if ensemble.groups.iter().all(|group| group.len() == 1) {
             return Err(Error::Price(PriceMistake::OneByOne));
         }
         if numbers == Numbers::Single && !on_surfaces::<C, D>() {
             return Err(Error::Price(PriceMistake::AlwaysDouble));
         }
-        let again = move || self.begin(scene, method, numbers, h, energy);
+        let again = move || self.begin(scene, rung, numbers, energy);
         Ok(Box::new(FirstOfEnsemble { ensemble, energy, again: Box::new(again) }))
     }
 }

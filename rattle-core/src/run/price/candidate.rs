@@ -45,7 +45,7 @@ pub enum Candidate {
     Taylor,
     /// `Dop853::adaptive(h, tolerance)`; a planned run with `.retry(6)`.
     Dop853,
-    /// One of the others with steps of one length, trajectories side by side: `scene.ensemble_in(numbers, starts, …)`.
+    /// One of the others, trajectories side by side: `scene.ensemble_in(numbers, starts, …)`.
     /// See [`Pricing::side_by_side`](crate::run::price::Pricing::side_by_side).
     InLanes(&'static Candidate, Numbers),
 }
@@ -78,7 +78,7 @@ impl Candidate {
     ];
 
     /// Those that are priced side by side.
-    pub const LANES: [Self; 10] = [
+    pub const LANES: [Self; 11] = [
         Self::InLanes(&Self::Rattle, Numbers::Single),
         Self::InLanes(&Self::Rattle, Numbers::Double),
         Self::InLanes(&Self::Rattle, Numbers::Compensated),
@@ -89,6 +89,7 @@ impl Candidate {
         Self::InLanes(&Self::Lobatto3, Numbers::Double),
         Self::InLanes(&Self::Lobatto5, Numbers::Double),
         Self::InLanes(&Self::Lobatto8, Numbers::Double),
+        Self::InLanes(&Self::Dop853, Numbers::Double),
     ];
 
     /// Whether trajectories go side by side.
@@ -119,7 +120,10 @@ impl Candidate {
     /// Whether its errors depend on a tolerance instead of the step size.
     #[must_use]
     pub fn is_adaptive(self) -> bool {
-        matches!(self, Self::Taylor | Self::Dop853)
+        match self {
+            Self::InLanes(of, _) => of.is_adaptive(),
+            _ => matches!(self, Self::Taylor | Self::Dop853),
+        }
     }
 
     /// How many times as long as RATTLE's longest step the first one is that is tried.

@@ -33,8 +33,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Movable for Set<'_, C,
         match rung.candidate {
             Candidate::InLanes(&method, numbers) => {
                 let beside = self.beside.as_ref().ok_or(Error::Price(PriceMistake::OneByOne))?;
-                let alone = self.begin_from(Rung { candidate: method, ..rung }, self.start.clone())?;
-                beside.begin(self.scene, method, numbers, rung.h, alone.energy())
+                let rung = Rung { candidate: method, ..rung };
+                let alone = self.begin_from(rung, self.start.clone())?;
+                beside.begin(self.scene, rung, numbers, alone.energy())
             }
             _ => self.begin_from(rung, self.start.clone()),
         }

@@ -118,7 +118,9 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         let mistake = |mistake| Err(StartFailure::Phase(mistake));
         let tolerance = START_TOLERANCE / f64::EPSILON;
         let (equation, off) = worst(&level.value, &level.size);
-        if off.is_nan() || off > tolerance {
+        // Where all terms are nothing, as those of q·p at q = 0, g is what rounding leaves of larger coordinates.
+        let rounded = worst(&level.value, &level.extent).1 <= NOISE;
+        if off.is_nan() || (off > tolerance && !rounded) {
             let (value, share) = (level.value[equation], off * f64::EPSILON);
             return mistake(PhaseMistake::Off { equation, value, share, tolerance: START_TOLERANCE });
         }
