@@ -215,7 +215,7 @@ impl<'a, const W: usize> Desk<'a, W> {
     fn step(&mut self, pulling: &mut Pulls<'_, '_, W>) {
         let h = Fused(self.method.step_size());
         (self.left.0, self.inner.0, self.going) = ([h; W], [h; W], [MOVES; W]);
-        (self.strays, self.radius) = (zeros(), zeros());
+        (self.strays, self.radius.0) = (zeros(), [Fused(f64::INFINITY); W]);
         for pass in 0..MOST_PASSES {
             self.evaluate(pulling);
             self.estimate();
