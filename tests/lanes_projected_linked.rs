@@ -164,6 +164,26 @@ fn who_fails_touches_no_one_else() {
     check(Dop853::adaptive(0.02, 1e-9), false);
 }
 
+/// Trajectories that take some steps by themselves have the same bits in any company and order.
+#[test]
+fn who_goes_by_itself_depends_on_no_other() {
+    let start = |i: u32| start(0.05 * f64::from(i), if i.is_multiple_of(2) { 12.0 } else { 0.5 });
+    let of = |numbers: &[u32]| {
+        let mut ensemble = scene().ensemble(numbers.iter().map(|&i| start(i)), Dop853::new(0.1)).unwrap();
+        ensemble.run(100);
+        assert_eq!(ensemble.failures().count(), 0);
+        ensemble.states().map(|state| bits(&state)).collect::<Vec<_>>()
+    };
+    let numbers: Vec<u32> = (0..40).collect();
+    let (all, back) = (of(&numbers), of(&numbers.iter().rev().copied().collect::<Vec<_>>()));
+    for i in 0..40 {
+        assert_eq!(all[i], back[39 - i], "trajectory {i}");
+    }
+    for one in [0, 2, 7] {
+        assert_eq!(of(&[one])[0], all[one as usize], "trajectory {one} by itself");
+    }
+}
+
 /// Where a rod may have many lengths, as close as a step leads astray, each keeps its own, or the motion ends.
 #[test]
 fn other_sheets_are_not_taken_in_silence() {

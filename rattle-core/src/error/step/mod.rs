@@ -62,13 +62,14 @@ pub enum StepFailure {
     },
     /// A step of a method that does not follow the root of the constraint has ended on another sheet close by.
     #[error(
-        "a step h = {h:.3e} ends at q = {position:?}, {off:.1e} beside the sheet that it began on; try a smaller step, or Rattle, \
-         which follows its sheet"
+        "a step h = {h:.3e} ends at q = {position:?}, {} the sheet that it began on; try a smaller step, or Rattle, which \
+         follows its sheet",
+        beside(*off)
     )]
     OtherSheet {
         /// The step size.
         h: f64,
-        /// The distance from the sheet on which the motion continues.
+        /// The distance from the sheet on which the motion continues; NaN where that was not found.
         off: f64,
         /// Where.
         position: Vec<f64>,
@@ -122,6 +123,11 @@ pub enum StepFailure {
 /// A constraint, as messages name it.
 fn constraint(equation: Option<&EquationAt>) -> String {
     equation.map_or_else(|| "the constraint".to_owned(), EquationAt::to_string)
+}
+
+/// How far off a sheet, as far as that is known.
+fn beside(off: f64) -> String {
+    if off.is_nan() { "off".into() } else { format!("{off:.1e} beside") }
 }
 
 /// What jumps.

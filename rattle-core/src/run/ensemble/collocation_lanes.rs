@@ -69,7 +69,7 @@ where
         Box::new(self.clone())
     }
 
-    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let going = Going { lanes: self, tour };
         let row = self.set.run_lanes::<L, _>(going)?;
         let (laws, tableau) = (self.laws.clone(), self.tableau.clone());

@@ -42,6 +42,12 @@ impl Stuck {
     }
 }
 
+impl From<Stuck> for Vec<Stuck> {
+    fn from(stuck: Stuck) -> Self {
+        vec![stuck]
+    }
+}
+
 /// Where all lanes are to be written, and what is needed for their times: those of the starts, the time since then, and
 /// what rounding took from each.
 pub(crate) struct Written<'a, const D: usize> {
@@ -79,6 +85,10 @@ pub(crate) struct Leg<'a, const D: usize> {
 pub(crate) trait Tour<const D: usize> {
     /// Shows what was written after the leg before, and says what the next one is.
     fn next(&mut self) -> Option<Leg<'_, D>>;
+    /// Which lane this one is a copy of; itself if of none.
+    fn copy_of(&self, lane: usize) -> usize {
+        lane
+    }
 }
 
 /// Trajectories in lanes, which know nothing of each other. It is also what tells of a lane what a sight asks.
@@ -91,8 +101,8 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
     fn bodies_of_each(&self) -> usize;
     /// A copy.
     fn boxed(&self) -> Box<dyn Engine<D>>;
-    /// The engine where its lanes are after a tour.
-    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck>;
+    /// The engine where its lanes are after a tour, or one or more lanes that cannot go on it.
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>>;
 
     /// Puts bodies, which are along the constraint, into a lane. False where the lane cannot hold them, or their
     /// momenta would be no numbers there.

@@ -287,7 +287,11 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
     })
 }
 
-/// Trajectories of linked bodies in rows of a few, by steps whose stages disregard the constraints.
+/// Stages of more coordinates go in rows of a few, or else they leave the nearer cache: from chains of some 30 links
+/// on.
+const IN_WIDE_ROWS: usize = 64;
+
+/// Trajectories of linked bodies by steps whose stages disregard the constraints.
 pub(super) fn linked_projected<E: Effects<D>, const D: usize>(
     network: &Network<D>,
     effects: &E,
@@ -295,7 +299,7 @@ pub(super) fn linked_projected<E: Effects<D>, const D: usize>(
     lanes: &HowInLanes,
 ) -> Groups<D> {
     let (bodies, first, method) = (starts.first()?.len(), lanes.first, lanes.dop853());
-    if starts.len() <= 3 * FEW {
+    if starts.len() <= 3 * FEW || bodies * D > IN_WIDE_ROWS {
         let laws = LinkedLaws::<_, D, FEW>::by_all(network, effects, bodies, true)?;
         let row = LinkedProjected::new(laws, method, lanes.set);
         return in_rows(FEW, starts, &|from, starts| {

@@ -19,7 +19,7 @@ pub(super) trait Wide<const W: usize> {
     /// Takes steps with flows.
     fn stir(steps: StirredSteps<'_, '_, W>) -> Result<(), Stuck>;
     /// Takes steps that are projected.
-    fn project(steps: ProjectedSteps<'_, '_, W>) -> Result<(), Stuck>;
+    fn project(steps: ProjectedSteps<'_, '_, W>) -> Result<(), Vec<Stuck>>;
     /// Writes velocities.
     fn look(velocities: Velocities<'_, '_, W>);
 }
@@ -37,7 +37,7 @@ impl Wide<ROW> for Width {
     fn stir(steps: StirredSteps<'_, '_, ROW>) -> Result<(), Stuck> {
         steps.course.set.run(steps)
     }
-    fn project(steps: ProjectedSteps<'_, '_, ROW>) -> Result<(), Stuck> {
+    fn project(steps: ProjectedSteps<'_, '_, ROW>) -> Result<(), Vec<Stuck>> {
         steps.desk.set().run(steps)
     }
     fn look(velocities: Velocities<'_, '_, ROW>) {
@@ -55,7 +55,7 @@ impl Wide<FEW> for Width {
     fn stir(steps: StirredSteps<'_, '_, FEW>) -> Result<(), Stuck> {
         steps.course.set.run(steps)
     }
-    fn project(steps: ProjectedSteps<'_, '_, FEW>) -> Result<(), Stuck> {
+    fn project(steps: ProjectedSteps<'_, '_, FEW>) -> Result<(), Vec<Stuck>> {
         steps.desk.set().run(steps)
     }
     fn look(velocities: Velocities<'_, '_, FEW>) {

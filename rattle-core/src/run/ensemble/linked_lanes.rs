@@ -211,7 +211,7 @@ where
         self.common.plan.coordinates / D
     }
 
-    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let common = &*self.common;
         let mut numbers = self.with_room();
         let mut part = self.part;

@@ -26,8 +26,8 @@ use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::linked_plan::Places;
 use crate::run::ensemble::linked_projected_row::{
-    Kept, State, Sums, add_product, arrive, bent, between, choose, combine, copy, furthest, length, may_be,
-    move_by, reach_for, shift, terms,
+    Kept, Landed, State, Sums, add_product, arrive, bent, between, choose, combine, copy, furthest, length,
+    may_be, move_by, reach_for, shift, terms,
 };
 use crate::run::ensemble::linked_row::{Course, LinkedRow, PIVOT};
 use crate::solve::aim::{INSIDE, ROUNDINGS};
@@ -50,10 +50,8 @@ const MOVES: u64 = 1;
 const ARRIVED: u64 = 0;
 const BY_ITSELF: u64 = 2;
 
-/// Takes a lane through the step of this number by itself, and writes where it is then. Returns how far the step may
-/// have led astray, and how far it led.
-pub(super) type Apart<'a, const W: usize> =
-    dyn FnMut(usize, u64, &mut Kept<W>) -> Result<[f64; 2], Stuck> + 'a;
+/// Finds where the step of this number leads a lane by itself.
+pub(super) type Apart<'a, const W: usize> = dyn FnMut(usize, u64, &Kept<W>) -> Result<Landed, Stuck> + 'a;
 
 /// Effects that pull bodies, if any do.
 type Pulls<'a, 'b, const W: usize> = Option<&'a mut (dyn Pulling<LinkedRow, W> + 'b)>;
@@ -62,6 +60,8 @@ type Pulls<'a, 'b, const W: usize> = Option<&'a mut (dyn Pulling<LinkedRow, W> +
 pub(super) struct ProjectedSteps<'a, 'b, const W: usize> {
     pub(super) pulling: Pulls<'a, 'b, W>,
     pub(super) apart: &'a mut Apart<'b, W>,
+    /// Which lane each is a copy of.
+    pub(super) copy_of: &'a [usize; W],
     pub(super) desk: &'a mut Desk<'b, W>,
     pub(super) kept: &'a mut Kept<W>,
     pub(super) from: u64,
@@ -69,23 +69,19 @@ pub(super) struct ProjectedSteps<'a, 'b, const W: usize> {
 }
 
 impl<const W: usize> Work for ProjectedSteps<'_, '_, W> {
-    type Done = Result<(), Stuck>;
+    type Done = Result<(), Vec<Stuck>>;
 
     #[inline(always)]
-    fn run(self) -> Result<(), Stuck> {
-        let Self { mut pulling, apart, desk, kept, from, steps } = self;
+    fn run(self) -> Result<(), Vec<Stuck>> {
+        let Self { mut pulling, apart, copy_of, desk, kept, from, steps } = self;
         if !desk.there {
             copy(&kept.state, &mut desk.now);
             desk.be_there(&mut pulling);
         }
         for number in from..from + steps {
             desk.step(&mut pulling);
-            let alone = desk.going;
-            for lane in (0..W).filter(|&lane| alone[lane] == BY_ITSELF) {
-                let [strays, path] = apart(lane, number, kept)?;
-                desk.take_over(lane, kept, strays, path);
-            }
-            if any(&alone) {
+            if desk.going.contains(&BY_ITSELF) {
+                desk.go_apart(number, kept, copy_of, apart)?;
                 desk.be_there(&mut pulling);
             }
             copy(&desk.now, &mut kept.state);
@@ -191,14 +187,35 @@ impl<'a, const W: usize> Desk<'a, W> {
         self.normals.copy_from_slice(&self.numbers[gradient..gradient + entries]);
     }
 
-    /// Takes over where a lane is that went by itself.
+    /// Has lanes go by themselves, copies with what they are copies of. All that cannot are told of at once: each is
+    /// left out before this is tried again.
     #[cold]
     #[inline(never)]
-    fn take_over(&mut self, lane: usize, kept: &Kept<W>, strays: f64, path: f64) {
-        for (now, kept) in self.now.iter_mut().zip(&kept.state) {
-            now.iter_mut().zip(kept).for_each(|(now, kept)| now.0[lane] = kept.0[lane]);
+    fn go_apart(
+        &mut self,
+        number: u64,
+        kept: &Kept<W>,
+        copy_of: &[usize; W],
+        apart: &mut Apart<'_, W>,
+    ) -> Result<(), Vec<Stuck>> {
+        let (mut stuck, going) = (Vec::new(), self.going);
+        for of in (0..W).filter(|&of| copy_of[of] == of && going[of] == BY_ITSELF) {
+            match apart(of, number, kept) {
+                Ok(landed) => {
+                    (0..W).filter(|&lane| copy_of[lane] == of).for_each(|lane| self.take_over(lane, &landed));
+                }
+                Err(why) => stuck.push(why),
+            }
         }
-        let [strays, path] = [strays, path].map(Fused);
+        if stuck.is_empty() { Ok(()) } else { Err(stuck) }
+    }
+
+    /// Takes over where a lane is that went by itself.
+    fn take_over(&mut self, lane: usize, Landed { state, strays, path }: &Landed) {
+        for (now, landed) in self.now.iter_mut().zip(state) {
+            now.iter_mut().zip(landed).for_each(|(now, &landed)| now.0[lane] = Fused(landed));
+        }
+        let [strays, path] = [*strays, *path].map(Fused);
         (self.strays.0[lane], self.radius.0[lane]) = (strays, bent(path, strays));
     }
 

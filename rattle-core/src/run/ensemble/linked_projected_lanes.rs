@@ -19,11 +19,12 @@ use crate::run::ensemble::linked_going::{Wide, Width};
 use crate::run::ensemble::linked_law::{Law, LinkedLaws};
 use crate::run::ensemble::linked_plan::LinkedPlan;
 use crate::run::ensemble::linked_projected::{Desk, ProjectedSteps};
-use crate::run::ensemble::linked_projected_row::Kept;
+use crate::run::ensemble::linked_projected_row::{Kept, Landed};
 use crate::run::ensemble::linked_row::{Course, LinkedRow};
 use crate::run::fingerprint::of_system;
 use crate::solve::crowd::Asked;
 use crate::systems::linked::Linked;
+use crate::systems::linked::kept::BodiesOf;
 use crate::systems::network::constraints;
 use crate::systems::network::in_lanes::{Numbers, zeros};
 use std::any::Any;
@@ -70,51 +71,50 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedProjected<F, D, W>
         (0..self.plan.coordinates / D).map(body).collect()
     }
 
-    /// Where bodies that obey what a lane does are after steps in so many parts, each looked at as in a simulation,
-    /// where other sheets were looked for so far; and whether there are some.
+    /// Finds where a step leads a lane by itself, in this room.
     #[cold]
     #[inline(never)]
-    fn alone(
+    fn step_alone(
         &self,
-        law: &Law<F, D>,
-        bodies: &[Body<f64, D>],
-        [from, steps]: [u64; 2],
-        parts: u32,
-        reach: f64,
-    ) -> Result<(Vec<Body<f64, D>>, bool), Failure> {
-        let h = self.method.step_size();
-        let ready = law.ready(bodies, h);
-        let system = ready.as_ref().unwrap_or(&law.system);
-        let part = self.method.with_step(h / f64::from(parts));
-        let mut bodies = system.bodies(bodies, 0.0);
-        part.prepare::<f64, Linked<F, Many, D>, D>((system, system), &mut bodies);
-        *bodies.kept.asked() = Asked { steps: from, reach, near: false };
-        for _ in 0..steps * u64::from(parts) {
-            part.step::<f64, Linked<F, Many, D>, _, D>((system, system), &mut bodies, &mut [], &mut ())?;
-        }
-        Ok((bodies.all(), bodies.kept.asked().near))
-    }
-
-    /// Takes a lane through a step by itself. Returns how far the step may have led astray, and how far it led.
-    #[cold]
-    #[inline(never)]
-    fn step_alone(&self, lane: usize, number: u64, kept: &mut Kept<W>) -> Result<[f64; 2], Stuck> {
-        let (law, start) = (self.laws.law(lane), self.bodies_of(kept, lane));
+        lane: usize,
+        number: u64,
+        kept: &Kept<W>,
+        room: &mut Option<BodiesOf<F, Many, D>>,
+    ) -> Result<Landed, Stuck> {
+        let (Law { system, masses, .. }, start) = (self.laws.law(lane), self.bodies_of(kept, lane));
         let stuck = |failure| Stuck { lane, failure };
-        let alone = self.alone(law, &start, [number, 1], 1, kept.asked.0[lane].0);
-        let (end, near) = alone.map_err(|failure| stuck(Some(failure)))?;
-        if near {
+        let bodies = match room {
+            None => {
+                let bodies = room.insert(system.bodies(&start, 0.0));
+                self.method.prepare::<f64, Linked<F, Many, D>, D>((system, system), bodies);
+                bodies
+            }
+            Some(bodies) => {
+                for (i, &Body { q, q_low, p, p_low }) in start.iter().enumerate() {
+                    (bodies.q[i], bodies.q_low[i], bodies.p[i], bodies.p_low[i]) = (q, q_low, p, p_low);
+                }
+                system.refresh(bodies);
+                bodies
+            }
+        };
+        *bodies.kept.asked() = Asked { steps: number, reach: kept.asked.0[lane].0, near: false };
+        let stepped =
+            self.method.step::<f64, Linked<F, Many, D>, _, D>((system, system), bodies, &mut [], &mut ());
+        stepped.map_err(|failure| stuck(Some(failure)))?;
+        if bodies.kept.asked().near {
             return Err(stuck(None));
         }
-        put(&law.masses, kept, lane, &end);
         let (mut strays, mut path, half) = (0.0_f64, 0.0_f64, 0.5 * self.method.step_size());
-        for (c, [_, over]) in law.masses.iter().enumerate() {
-            let (start, end, d) = (&start[c / D], &end[c / D], c % D);
-            let way = end.q[d] - start.q[d];
-            (strays, path) =
-                (strays.max((way - half * over * (start.p[d] + end.p[d])).abs()), path.max(way.abs()));
+        let mut state: [Vec<f64>; 4] = from_fn(|_| Vec::with_capacity(masses.len()));
+        for (c, [_, over]) in masses.iter().enumerate() {
+            let (from, i, d) = (&start[c / D], c / D, c % D);
+            let [q, q_low, p, p_low] =
+                [bodies.q[i], bodies.q_low[i], bodies.p[i], bodies.p_low[i]].map(|x| x[d]);
+            let way = q - from.q[d];
+            (strays, path) = (strays.max((way - half * over * (from.p[d] + p)).abs()), path.max(way.abs()));
+            state.iter_mut().zip([q, over * p, q_low, over * p_low]).for_each(|(to, x)| to.push(x));
         }
-        Ok([strays, path])
+        Ok(Landed { state, strays, path })
     }
 }
 
@@ -151,17 +151,23 @@ where
         self.plan.coordinates / D
     }
 
-    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let LinkedLaws { links, over, pulls, .. } = &*self.laws;
         let (plan, over) = (&*self.plan, over.as_deref());
         let course = Course { plan, links, over, parts: &[], equal: false, sums: true, set: self.set };
         let (mut kept, n) = (self.kept.clone(), self.bodies_of_each());
         let mut room = pulls.as_ref().map(|pulls| pulls.begin());
         let mut desk = Desk::new(course, self.method, D);
+        let copy_of = from_fn(|lane| tour.copy_of(lane));
+        let mut rooms: Vec<_> = self.laws.laws.iter().map(|_| None).collect();
+        let mut apart = |lane: usize, number: u64, kept: &Kept<W>| {
+            self.step_alone(lane, number, kept, &mut rooms[self.laws.number_of_law(lane)])
+        };
         while let Some(Leg { from, steps, written, .. }) = tour.next() {
             Width::project(ProjectedSteps {
                 pulling: room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<LinkedRow, W>),
-                apart: &mut |lane, number, kept| self.step_alone(lane, number, kept),
+                apart: &mut apart,
+                copy_of: &copy_of,
                 desk: &mut desk,
                 kept: &mut kept,
                 from,
@@ -216,8 +222,16 @@ where
         parts: u32,
         _: &mut u64,
     ) -> Result<Moved<D>, Failure> {
-        let (bodies, _) = self.alone(self.laws.law(lane), bodies, [0, steps], parts, 0.0)?;
-        Ok((bodies, 0.0))
+        let (law, h) = (self.laws.law(lane), self.method.step_size());
+        let ready = law.ready(bodies, h);
+        let system = ready.as_ref().unwrap_or(&law.system);
+        let part = self.method.with_step(h / f64::from(parts));
+        let mut bodies = system.bodies(bodies, 0.0);
+        part.prepare::<f64, Linked<F, Many, D>, D>((system, system), &mut bodies);
+        for _ in 0..steps * u64::from(parts) {
+            part.step::<f64, Linked<F, Many, D>, _, D>((system, system), &mut bodies, &mut [], &mut ())?;
+        }
+        Ok((bodies.all(), 0.0))
     }
 
     fn kick_alone(&self, steps: u32) {

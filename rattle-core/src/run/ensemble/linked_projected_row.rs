@@ -38,6 +38,15 @@ impl<const W: usize> Kept<W> {
     }
 }
 
+/// Where a step leads a lane by itself.
+pub(super) struct Landed {
+    /// As the [`State`] of all lanes.
+    pub(super) state: [Vec<f64>; 4],
+    /// How far the step may have led astray, and how far it led.
+    pub(super) strays: f64,
+    pub(super) path: f64,
+}
+
 /// Copies a state.
 #[inline(always)]
 pub(super) fn copy<const W: usize>(from: &State<W>, to: &mut State<W>) {

@@ -111,7 +111,7 @@ where
         Box::new(self.clone())
     }
 
-    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let (bodies, pace) = self.set.run_lanes::<ROW, _>(Going { lanes: self, tour })?;
         Ok(Box::new(Self { bodies, pace, ..self.clone() }))
     }

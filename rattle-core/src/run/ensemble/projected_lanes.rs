@@ -95,7 +95,7 @@ where
         Box::new(self.clone())
     }
 
-    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let row = self.set.run(Going { lanes: self, tour })?;
         Ok(Box::new(Self { row, laws: self.laws.clone(), method: self.method.clone(), ..*self }))
     }

@@ -80,7 +80,7 @@ where
         Box::new(self.clone())
     }
 
-    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let (block, limits) = self.set.run_lanes::<L, _>(Going { lanes: self, tour })?;
         let (laws, rhythm) = (self.laws.clone(), self.rhythm.clone());
         Ok(Box::new(Self { block, limits, laws, rhythm, ..*self }))

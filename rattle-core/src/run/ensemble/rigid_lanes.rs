@@ -155,7 +155,7 @@ where
         self.bodies.len()
     }
 
-    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let (mut bodies, mut part, n) = (self.bodies.clone(), self.part, self.bodies.len());
         let mut room = self.pulls.as_ref().map(|pulls| pulls.begin());
         let (mut kicks, mut work) = (vec![[zeros(); 3]; n], self.work.clone());

@@ -158,7 +158,7 @@ impl<const D: usize> SideBySide<D> {
         steps: u64,
         shown: bool,
         mut onlooker: Option<&mut Onlooker<'_, D>>,
-    ) -> Result<(), Stuck> {
+    ) -> Result<(), Vec<Stuck>> {
         let (now, end) = (self.steps, self.steps + steps);
         let seen = onlooker.as_deref_mut();
         let gone = self.engine.go(&mut Stretch { group: self, onlooker: seen, now, end, shown });
@@ -223,6 +223,9 @@ impl<const D: usize> SideBySide<D> {
         let mut stuck: Vec<_> = alone.into_iter().map(|lane| Stuck { lane, failure: None }).collect();
         loop {
             for Stuck { lane, failure } in stuck.drain(..) {
+                if !together[lane] {
+                    continue; // told of a copy, too
+                }
                 self.crowded[lane] |= failure.is_none();
                 match self.by_itself(lane, failure, steps) {
                     Ok(moved) => apart.push((lane, moved)),
@@ -237,7 +240,9 @@ impl<const D: usize> SideBySide<D> {
             }
             match self.attempt(steps, shown, None) {
                 Ok(()) => break,
-                Err(of) => stuck.push(Stuck { lane: self.copy_of[of.lane], ..of }),
+                Err(some) => {
+                    stuck.extend(some.into_iter().map(|of| Stuck { lane: self.copy_of[of.lane], ..of }))
+                }
             }
         }
         if fails {
@@ -385,6 +390,10 @@ impl<const D: usize> Tour<D> for Stretch<'_, '_, D> {
         let page = onlooker.as_mut().filter(|_| due == Some(stop)).map(|onlooker| onlooker.write());
         let written = page.map(|page| Written { page, starts: &group.start_time, passed });
         Some(Leg { from, steps: stop - from, written, shown: *shown })
+    }
+
+    fn copy_of(&self, lane: usize) -> usize {
+        self.group.copy_of[lane]
     }
 }
 

@@ -101,7 +101,7 @@ where
         Box::new(self.clone())
     }
 
-    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let (block, account) = self.set.run_lanes::<L, _>(Going { lanes: self, tour })?;
         let (laws, stages, parts) = (self.laws.clone(), self.stages.clone(), self.parts.clone());
         Ok(Box::new(Self { block, laws, stages, parts, stirring: self.stirring.clone(), account, ..*self }))
