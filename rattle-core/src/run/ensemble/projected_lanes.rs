@@ -189,11 +189,13 @@ where
     X: Laws<S, D>,
     M: Projects<S, L, D>,
 {
-    type Done = Result<Row<S, L, D>, Stuck>;
+    type Done = Result<Row<S, L, D>, Vec<Stuck>>;
 
     #[inline(always)]
     fn run(self) -> Self::Done {
         let Self { lanes, tour } = self;
+        let mut copy_of = [0; L];
+        copy_of.iter_mut().enumerate().for_each(|(lane, of)| *of = tour.copy_of(lane));
         let (laws, h) = (lanes.laws.clone(), S::from_f64(lanes.h)); // out of reach of what the loops write
         let mut desk = Desk { row: lanes.row.clone(), scratch: Scratch::new(lanes.method.room()) };
         let Desk { row, scratch } = &mut desk;
@@ -204,9 +206,7 @@ where
                     look_as_far(&laws, number, place.vectors(), asked, astray)?;
                 }
                 if !advance::<S, M, L, D, SUMS>(row, &laws, &lanes.method, h, scratch) {
-                    for lane in 0..L {
-                        apart(lanes, &laws, number + 1, lane, row, scratch)?;
-                    }
+                    all_apart(lanes, &laws, number + 1, &copy_of, row, scratch)?;
                 }
                 row.place = scratch.now;
                 for l in 0..L {
@@ -222,9 +222,37 @@ where
     }
 }
 
-/// Finds where the step leads a lane that cannot go with the others, or has to look around first; nothing else.
+/// Finds where the step leads lanes that cannot go with the others; copies are where those are that they are copies of.
+/// All that cannot are told of at once: each is left out before this is tried again.
 #[cold]
 #[inline(never)]
+fn all_apart<S, X, const L: usize, const D: usize, const SUMS: usize, M>(
+    lanes: &ProjectedLanes<S, X, L, D, SUMS, M>,
+    laws: &X,
+    number: u64,
+    copy_of: &[usize; L],
+    row: &mut Row<S, L, D>,
+    scratch: &mut Scratch<S, M::Room, L, D>,
+) -> Result<(), Vec<Stuck>>
+where
+    S: Lane,
+    X: Laws<S, D>,
+    M: Projects<S, L, D>,
+{
+    let mut stuck = Vec::new();
+    for of in (0..L).filter(|&of| copy_of[of] == of) {
+        match apart(lanes, laws, number, of, row, scratch) {
+            Ok(()) => (0..L).filter(|&lane| copy_of[lane] == of).for_each(|lane| {
+                scratch.now.copy(of, lane);
+                (scratch.strays[lane], row.asked[lane]) = (scratch.strays[of], row.asked[of]);
+            }),
+            Err(why) => stuck.push(why),
+        }
+    }
+    if stuck.is_empty() { Ok(()) } else { Err(stuck) }
+}
+
+/// Finds where the step leads a lane that cannot go with the others, or has to look around first; nothing else.
 fn apart<S, X, const L: usize, const D: usize, const SUMS: usize, M>(
     lanes: &ProjectedLanes<S, X, L, D, SUMS, M>,
     laws: &X,

@@ -97,6 +97,12 @@ impl<S: Lane, const L: usize, const D: usize> Place<S, L, D> {
         (dot(&total, &total) + dot(&p, &p)).le(S::from_f64(f64::MAX))
     }
 
+    /// Has lane `to` be where lane `from` is.
+    pub(super) fn copy(&mut self, from: usize, to: usize) {
+        let Self { q, p, q_low, p_low, normal, pull } = self;
+        [q, p, q_low, p_low, normal, pull].into_iter().for_each(|of| put(of, to, at(of, from)));
+    }
+
     /// The body of a lane.
     pub(super) fn body(&self, lane: usize) -> Body<S, D> {
         let Self { q, p, q_low, p_low, .. } = self;
