@@ -436,12 +436,13 @@ impl<'a, const W: usize> Desk<'a, W> {
         let (mut moves, mut any) = ([0; W], false);
         for l in 0..W {
             let goes = self.going[l] == MOVES;
-            moves[l] = u64::from(goes & self.taken[l]);
-            let left = self.left.0[l];
-            let left = if moves[l] == 1 { left - self.inner.0[l] } else { left };
+            let (takes, left) = (goes & self.taken[l], self.left.0[l]);
+            moves[l] = u64::from(takes);
+            let left = if takes { left - self.inner.0[l] } else { left };
             let collapsed = !self.taken[l] & (self.next.0[l].0.abs() < shortest);
             let arrived = left.0 == 0.0;
-            let on = if collapsed | (end & !arrived) { BY_ITSELF } else { u64::from(!arrived) };
+            let on = if arrived { ARRIVED } else { MOVES };
+            let on = if collapsed | (end & !arrived) { BY_ITSELF } else { on };
             (self.left.0[l], self.inner.0[l]) = (left, self.next.0[l]);
             self.going[l] = if goes { on } else { self.going[l] };
             any |= self.going[l] == MOVES;
@@ -461,7 +462,7 @@ impl<'a, const W: usize> Desk<'a, W> {
     /// Looks for other sheets around lanes that may have gone farther astray than was looked, and now and then around
     /// all, as a simulation does.
     #[inline(always)]
-    fn look_around(&mut self, steps: u64, kept: &mut Kept<W>) -> Result<(), Stuck> {
+    fn look_around(&mut self, steps: u64, kept: &mut Kept<W>) -> Result<(), Vec<Stuck>> {
         let (due, mut farther) = (steps.is_multiple_of(EVERY), [0; W]);
         for l in 0..W {
             let (strays, asked, astray) = (self.strays.0[l], &mut kept.asked.0[l], &mut kept.astray.0[l]);
@@ -480,13 +481,13 @@ impl<'a, const W: usize> Desk<'a, W> {
 
     /// Looks for other sheets around these lanes.
     #[inline(always)]
-    fn look_for_others(&mut self, turn: u64, lanes: &Which<W>, asked: &Numbers<W>) -> Result<(), Stuck> {
+    fn look_for_others(&mut self, turn: u64, lanes: &Which<W>, asked: &Numbers<W>) -> Result<(), Vec<Stuck>> {
         self.course.set.run(Others { desk: self, turn, lanes, asked })
     }
 }
 
 /// Whether an equation's gradient, where bodies are moved along gradients up to this far, is less than half of what it
-/// was, in one of these lanes.
+/// was, in some of these lanes.
 struct Others<'a, 'b, const W: usize> {
     desk: &'a mut Desk<'b, W>,
     turn: u64,
@@ -495,10 +496,10 @@ struct Others<'a, 'b, const W: usize> {
 }
 
 impl<const W: usize> Work for Others<'_, '_, W> {
-    type Done = Result<(), Stuck>;
+    type Done = Result<(), Vec<Stuck>>;
 
     #[inline(always)]
-    fn run(self) -> Result<(), Stuck> {
+    fn run(self) -> Result<(), Vec<Stuck>> {
         let Self { desk, turn, lanes, asked } = self;
         let Desk { course: Course { plan, links, set, .. }, now, normals, radius, .. } = desk;
         let Desk { of_equations: [g, shifts], of_entries, beside, .. } = desk;
@@ -531,8 +532,11 @@ impl<const W: usize> Work for Others<'_, '_, W> {
                 }
             }
         }
-        let crowded = crowded.iter().position(|&crowded| crowded != 0);
-        crowded.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+        if !any(&crowded) {
+            return Ok(());
+        }
+        let lanes = (0..W).filter(|&lane| crowded[lane] != 0);
+        Err(lanes.map(|lane| Stuck { lane, failure: None }).collect())
     }
 }
 

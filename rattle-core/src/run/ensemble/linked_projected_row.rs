@@ -255,7 +255,7 @@ pub(super) fn furthest<const W: usize>(
         let (g, length) = (g.0[l].abs(), square.0[l].sqrt());
         let size = size_of_terms(along.0[l], Fused(0.0), most.0[l] * length);
         let off = Real::select(g.0 == 0.0, g, g / (Fused(f64::EPSILON) * size));
-        // Not where one of them is no number: it remains one, and the lane goes by itself.
+        // Where one of them is no number it remains so, and the lane goes by itself.
         let (last, nearer) = (roundings.0[l], (off.0 <= roundings.0[l].0) | roundings.0[l].0.is_nan());
         roundings.0[l] = Real::select(nearer, last, off);
         far.0[l] = Real::select(nearer, far.0[l], g / length);
