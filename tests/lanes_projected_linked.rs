@@ -184,7 +184,8 @@ fn who_goes_by_itself_depends_on_no_other() {
     }
 }
 
-/// Where a rod may have many lengths, as close as a step leads astray, each keeps its own, or the motion ends.
+/// Where a rod may have many lengths, as close as a step leads astray, each keeps its own, or the motion ends. Without
+/// being looked at, six of these would go on with another one.
 #[test]
 fn other_sheets_are_not_taken_in_silence() {
     constraint! {
@@ -192,14 +193,14 @@ fn other_sheets_are_not_taken_in_silence() {
         |a: [f64; 2], b: [f64; 2]| sin(k * (norm(b - a) - 1))
     }
     let (mut right, mut refused) = (0, 0);
-    for (k, h) in [(30.0, 0.3), (1e7, 1.0)] {
+    for (k, h) in [(300.0, 0.6), (1e7, 0.3)] {
         let scene = Scene::points(3)
             .link(Lengths { k }, [[0, 1], [1, 2]])
             .pin(0, [0.0, 0.0])
             .masses(MASSES)
             .with(weights(1.0, MASSES));
         let mut check = |method: Dop853| {
-            let starts = (0..26).map(|i| start(0.1 * f64::from(i), 0.4));
+            let starts = (0..26).map(|i| start(0.1 * f64::from(i), 2.0));
             let mut ensemble = scene.ensemble(starts, method).unwrap();
             ensemble.run(4);
             for (i, state) in ensemble.states().enumerate() {
@@ -213,5 +214,5 @@ fn other_sheets_are_not_taken_in_silence() {
         check(Dop853::adaptive(h, 1e-6));
     }
     println!("{right} right, {refused} refused");
-    assert!(right > 70, "{right} right, {refused} refused");
+    assert!(right > 60, "{right} right, {refused} refused");
 }
