@@ -2,6 +2,7 @@
 //! its order, constraints and energies, sweeps, failures, and other sheets.
 
 use crate::common::{PlanarGravity, bits};
+use crate::lanes_projected::{fast, who_end};
 use rattle::ensemble::InstructionSet;
 use rattle::links::planar::Rod;
 use rattle::potentials::planar::weights;
@@ -119,45 +120,19 @@ fn sweeps() {
     }
 }
 
-/// Trajectories too fast for their steps end, as they do alone; the others have the bits that they have without them,
-/// in other divisions of the run, by other instructions, and where a checkpoint is gone on from.
+/// Trajectories too fast for their steps end, as they do alone, and [the others](who_end) go on.
 #[test]
 fn who_fails_touches_no_one_else() {
     fn check(method: Dop853, some_end: bool) {
-        let fast = |i: &u32| i.is_multiple_of(3);
-        let start = |i: u32| start(0.02 * f64::from(i), if fast(&i) { 400.0 } else { 1.0 });
-        let of = |numbers: &[u32]| scene().ensemble(numbers.iter().map(|&i| start(i)), method).unwrap();
-        let numbers: Vec<u32> = (0..70).collect();
-        let calm: Vec<u32> = (0..70).filter(|i| !fast(i)).collect();
-        let mut all = of(&numbers);
-        all.run(40);
-        let record = all.checkpoint();
-        all.run(20);
-        let mut resumed = of(&numbers);
-        resumed.resume(&record).unwrap();
-        resumed.run(20);
-        let mut narrow =
-            Ensemble::of(Double, &scene(), calm.iter().map(|&i| start(i)), method, InstructionSet::Avx2)
-                .unwrap();
-        let mut calm_ones = of(&calm);
-        calm_ones.run(60);
-        narrow.run(60);
-        for (n, &i) in calm.iter().enumerate() {
-            let expected = bits(&calm_ones.state(n));
-            assert_eq!(bits(&all.state(i as usize)), expected, "trajectory {i}");
-            assert_eq!(bits(&resumed.state(i as usize)), expected, "trajectory {i} resumed");
-            if narrow.instruction_set().fuses() {
-                assert_eq!(bits(&narrow.state(n)), expected, "trajectory {i} by narrow registers");
-            }
-        }
-        let ended: Vec<usize> = all.failures().map(|(i, _)| i).collect();
-        println!("{}: {ended:?}", method.name());
-        assert!(ended.iter().all(|&i| fast(&(i as u32))), "{ended:?}");
+        let start = |i: u32| start(0.02 * f64::from(i), if fast(i) { 400.0 } else { 1.0 });
+        let ended = who_end(70, |numbers, set| {
+            Ensemble::of(Double, &scene(), numbers.iter().map(|&i| start(i)), method, set).unwrap()
+        });
         assert!(!some_end || !ended.is_empty());
-        for i in ended {
+        for (i, found) in ended {
             let mut alone = scene().simulate(start(i as u32), method).unwrap();
             let error = alone.run(60).unwrap_err();
-            assert_eq!(all.failure(i).unwrap().to_string(), error.to_string(), "trajectory {i}");
+            assert_eq!(found.to_string(), error.to_string(), "trajectory {i}");
         }
     }
     check(Dop853::new(0.02), true);

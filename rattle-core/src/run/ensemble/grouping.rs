@@ -17,12 +17,14 @@ use crate::number::vectors::{LANES, MOST_COORDINATES};
 use crate::run::ensemble::apart::NotInLanes;
 use crate::run::ensemble::block::SHORT;
 use crate::run::ensemble::collocation_lanes::CollocationLanes;
+use crate::run::ensemble::engine::Engine;
 use crate::run::ensemble::forces_in_lanes::{Pulls, of_all, of_each};
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::{Each, Laws, Same};
-use crate::run::ensemble::linked_going::Width;
+use crate::run::ensemble::linked_going::{Wide, Width};
 use crate::run::ensemble::linked_lanes::LinkedLanes;
 use crate::run::ensemble::linked_law::LinkedLaws;
+use crate::run::ensemble::linked_plan::LinkedPlan;
 use crate::run::ensemble::linked_projected_lanes::LinkedProjected;
 use crate::run::ensemble::phase_lanes::{PhaseLanes, fits_lanes};
 use crate::run::ensemble::phase_row::ROW as IN_PHASE_SPACE;
@@ -245,26 +247,88 @@ const fn go_in_lanes<S: Method>(kind: Splitting, coordinates: usize) -> bool {
     coordinates <= MOST_COORDINATES && S::SPLITTING as u8 == kind as u8
 }
 
-/// Trajectories of linked bodies, no more than there are lanes, in rows, if the method is a splitting.
+/// Who moves rows of linked bodies.
+trait MovesLinks {
+    /// No more coordinates go in rows of [`ROW`], where more than a few trajectories do.
+    const IN_WIDE_ROWS: usize;
+    /// Whether sums are compensated.
+    fn sums(&self) -> bool;
+    /// A row, no lane of which is set, of what is obeyed there.
+    fn row<F: Forces<f64, D>, const D: usize, const W: usize>(
+        self,
+        laws: (LinkedPlan, LinkedLaws<F, D, W>),
+    ) -> Box<dyn Engine<D>>
+    where
+        Width: Wide<W>;
+}
+
+impl MovesLinks for Splits {
+    const IN_WIDE_ROWS: usize = usize::MAX;
+
+    fn sums(&self) -> bool {
+        self.sums
+    }
+
+    fn row<F: Forces<f64, D>, const D: usize, const W: usize>(
+        self,
+        laws: (LinkedPlan, LinkedLaws<F, D, W>),
+    ) -> Box<dyn Engine<D>>
+    where
+        Width: Wide<W>,
+    {
+        Box::new(LinkedLanes::new(laws, self))
+    }
+}
+
+impl MovesLinks for (Dop853, Fusing) {
+    /// Stages of more leave the nearer cache: from chains of some 30 links on.
+    const IN_WIDE_ROWS: usize = 64;
+
+    fn sums(&self) -> bool {
+        true
+    }
+
+    fn row<F: Forces<f64, D>, const D: usize, const W: usize>(
+        self,
+        laws: (LinkedPlan, LinkedLaws<F, D, W>),
+    ) -> Box<dyn Engine<D>>
+    where
+        Width: Wide<W>,
+    {
+        Box::new(LinkedProjected::new(laws, self.0, self.1))
+    }
+}
+
+/// Trajectories of linked bodies, no more than there are lanes, in rows, if the method is a splitting or [`Dop853`].
 pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     network: &Network<D>,
     effects: &E,
     starts: &[State<D>],
     lanes: &HowInLanes,
 ) -> Groups<D> {
-    let flows = const { E::Forces::<f64>::FLOWS > 0 };
-    let (bodies, first, method) = (starts.first()?.len(), lanes.first, lanes.splits::<P, S>(flows));
-    if starts.len() <= 3 * FEW {
-        // Three rows of a few take less time than a full one.
-        let row =
-            LinkedLanes::<_, D, FEW>::new(LinkedLaws::by_all(network, effects, bodies, method.sums)?, method);
-        return in_rows(FEW, starts, &|from, starts| {
-            Some(side_by_side(Box::new(row.clone()), first + from, starts))
-        });
+    if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 } {
+        return linked_by((lanes.dop853(), lanes.set), network, effects, starts, lanes.first);
     }
-    let row =
-        LinkedLanes::<_, D, ROW>::new(LinkedLaws::by_all(network, effects, bodies, method.sums)?, method);
-    in_rows(ROW, starts, &|from, starts| Some(side_by_side(Box::new(row.clone()), first + from, starts)))
+    let flows = const { E::Forces::<f64>::FLOWS > 0 };
+    linked_by(lanes.splits::<P, S>(flows), network, effects, starts, lanes.first)
+}
+
+fn linked_by<M: MovesLinks, E: Effects<D>, const D: usize>(
+    method: M,
+    network: &Network<D>,
+    effects: &E,
+    starts: &[State<D>],
+    first: usize,
+) -> Groups<D> {
+    let bodies = starts.first()?.len();
+    let sums = method.sums();
+    // Three rows of a few take less time than a full one.
+    if starts.len() <= 3 * FEW || bodies * D > M::IN_WIDE_ROWS {
+        let row = method.row::<_, D, FEW>(LinkedLaws::by_all(network, effects, bodies, sums)?);
+        return in_rows(FEW, starts, &|from, starts| Some(side_by_side(row.boxed(), first + from, starts)));
+    }
+    let row = method.row::<_, D, ROW>(LinkedLaws::by_all(network, effects, bodies, sums)?);
+    in_rows(ROW, starts, &|from, starts| Some(side_by_side(row.boxed(), first + from, starts)))
 }
 
 /// The same, each in a network and under effects of its own.
@@ -274,59 +338,28 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
     starts: &[State<D>],
     lanes: &HowInLanes,
 ) -> Groups<D> {
-    let (bodies, first) = (starts.first()?.len(), lanes.first);
-    if starts.iter().any(|start| start.len() != bodies) {
-        return None;
+    if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 } {
+        return linked_apart_by(|| (lanes.dop853(), lanes.set), networks, effects, starts, lanes.first);
     }
-    in_rows(ROW, starts, &|from, starts| {
-        let flows = const { E::Forces::<f64>::FLOWS > 0 };
-        let (own, method) = (from..from + starts.len(), lanes.splits::<P, S>(flows));
-        let obeyed = LinkedLaws::by_each(&networks[own.clone()], &effects[own], bodies, method.sums)?;
-        let row = LinkedLanes::<_, D, ROW>::new(obeyed, method);
-        Some(side_by_side(Box::new(row), first + from, starts))
-    })
+    let flows = const { E::Forces::<f64>::FLOWS > 0 };
+    linked_apart_by(|| lanes.splits::<P, S>(flows), networks, effects, starts, lanes.first)
 }
 
-/// Stages of more coordinates go in rows of a few, or else they leave the nearer cache: from chains of some 30 links
-/// on.
-const IN_WIDE_ROWS: usize = 64;
-
-/// Trajectories of linked bodies by steps whose stages disregard the constraints.
-pub(super) fn linked_projected<E: Effects<D>, const D: usize>(
-    network: &Network<D>,
-    effects: &E,
-    starts: &[State<D>],
-    lanes: &HowInLanes,
-) -> Groups<D> {
-    let (bodies, first, method) = (starts.first()?.len(), lanes.first, lanes.dop853());
-    if starts.len() <= 3 * FEW || bodies * D > IN_WIDE_ROWS {
-        let laws = LinkedLaws::<_, D, FEW>::by_all(network, effects, bodies, true)?;
-        let row = LinkedProjected::new(laws, method, lanes.set);
-        return in_rows(FEW, starts, &|from, starts| {
-            Some(side_by_side(Box::new(row.clone()), first + from, starts))
-        });
-    }
-    let laws = LinkedLaws::<_, D, ROW>::by_all(network, effects, bodies, true)?;
-    let row = LinkedProjected::new(laws, method, lanes.set);
-    in_rows(ROW, starts, &|from, starts| Some(side_by_side(Box::new(row.clone()), first + from, starts)))
-}
-
-/// The same, each in a network and under effects of its own.
-pub(super) fn linked_projected_apart<E: Effects<D> + 'static, const D: usize>(
+fn linked_apart_by<M: MovesLinks, E: Effects<D> + 'static, const D: usize>(
+    method: impl Fn() -> M,
     networks: &[&Network<D>],
     effects: &[&E],
     starts: &[State<D>],
-    lanes: &HowInLanes,
+    first: usize,
 ) -> Groups<D> {
-    let (bodies, first) = (starts.first()?.len(), lanes.first);
+    let bodies = starts.first()?.len();
     if starts.iter().any(|start| start.len() != bodies) {
         return None;
     }
     in_rows(ROW, starts, &|from, starts| {
-        let own = from..from + starts.len();
-        let laws = LinkedLaws::by_each(&networks[own.clone()], &effects[own], bodies, true)?;
-        let row = LinkedProjected::<_, D, ROW>::new(laws, lanes.dop853(), lanes.set);
-        Some(side_by_side(Box::new(row), first + from, starts))
+        let (own, method) = (from..from + starts.len(), method());
+        let laws = LinkedLaws::by_each(&networks[own.clone()], &effects[own], bodies, method.sums())?;
+        Some(side_by_side(method.row(laws), first + from, starts))
     })
 }
 

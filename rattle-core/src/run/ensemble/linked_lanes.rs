@@ -25,7 +25,6 @@ use crate::run::ensemble::stirred::LARGER;
 use crate::run::fingerprint::of_system;
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
-use crate::systems::network::constraints;
 use crate::systems::network::in_lanes::{Numbers, zeros};
 use std::any::Any;
 use std::array::from_fn;
@@ -161,25 +160,16 @@ pub(super) fn bodies_of<const D: usize, const W: usize>(
 #[inline(never)]
 fn go_apart<F: Forces<f64, D>, const D: usize, const W: usize>(
     common: &Common,
-    Law { system, masses, .. }: &Law<F, D>,
+    law: &Law<F, D>,
     lane: usize,
     part: &Part,
     numbers: &[Numbers<W>],
     room: &mut Option<BodiesOf<F, Many, D>>,
 ) -> Result<Landed, Stuck> {
-    let plan = &common.plan;
+    let (plan, Law { system, masses, .. }) = (&common.plan, law);
     let Places { way, way_low, .. } = plan.places;
     let places = bodies_of(common, masses, numbers, lane, [way, way_low], part.unit);
-    let bodies = match room {
-        None => room.insert(system.bodies(&places, 0.0)),
-        Some(bodies) => {
-            for (i, &Body { q, q_low, p, p_low }) in places.iter().enumerate() {
-                (bodies.q[i], bodies.q_low[i], bodies.p[i], bodies.p_low[i]) = (q, q_low, p, p_low);
-            }
-            system.refresh(bodies);
-            bodies
-        }
-    };
+    let bodies = law.placed(&places, room);
     let mut heard = Heard::of(&**system);
     let stuck = |failure| Stuck { lane, failure: Some(failure) };
     system.settle(0.0, part.h, bodies, &mut Whoever(&mut heard)).map_err(stuck)?;
@@ -281,13 +271,11 @@ where
         let Places { q, q_low, way, way_low, lifted, guess, last, earlier, square, rest, .. } = plan.places;
         let part = &parts[self.part];
         let mut ahead = system.bodies(bodies, 0.0);
-        let independent = system.freedom(&ahead) + plan.equations == plan.moving.len();
         // Momenta of a start are nothing to a step that draws others.
         let still = |body: &Body<f64, D>| Body { p: [0.0; D], p_low: [0.0; D], ..*body };
         let resting: Vec<_> = bodies.iter().filter(|_| renewal.is_some()).map(still).collect();
         let bodies = if renewal.is_some() { &resting } else { bodies };
-        let narrow = plan.equations > constraints::FEW
-            && law.ready(bodies, *h).is_none_or(|system| system.is_narrow());
+        let plain = law.is_plain(plan, (&ahead, bodies), *h);
         let mut heard = Heard::of(system);
         let settled = system.settle(part.lead, part.h, &mut ahead, &mut ());
         let places = ahead.all();
@@ -348,7 +336,7 @@ where
         let largest = sizes.iter().fold(0.0_f64, |most, &x| most.max(x));
         let near = off <= 2.0 * path + ROUNDINGS * f64::EPSILON * largest;
         let goes = renewal.is_some() || (drifted.is_ok() && path.is_finite() && near);
-        goes && independent && !narrow
+        goes && plain
     }
 
     fn copy(&mut self, from: usize, to: usize) {

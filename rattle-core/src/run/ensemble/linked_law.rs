@@ -15,9 +15,10 @@ use crate::run::ensemble::linked_plan::{LinkedPlan, Links, masses};
 use crate::run::ensemble::linked_row::LinkedRow;
 use crate::run::ensemble::linked_stirring::{Question, RowStirring, vectors};
 use crate::systems::linked::Linked;
-use crate::systems::network::Network;
+use crate::systems::linked::kept::BodiesOf;
 use crate::systems::network::in_lanes::{Numbers, ROW};
 use crate::systems::network::shape::Shape;
+use crate::systems::network::{Network, constraints};
 use std::array::from_fn;
 use std::sync::Arc;
 
@@ -46,6 +47,33 @@ impl<F: Forces<f64, D>, const D: usize> Law<F, D> {
     /// Effects, what they act on, and masses.
     pub(super) fn shown(&self) -> (&F, &Linked<F, Many, D>, &[[f64; 2]]) {
         (&self.system.effects, &self.system, &self.masses)
+    }
+
+    /// These bodies of the system in this room, which is made where there is none.
+    pub(super) fn placed<'a>(
+        &self,
+        places: &[Body<f64, D>],
+        room: &'a mut Option<BodiesOf<F, Many, D>>,
+    ) -> &'a mut BodiesOf<F, Many, D> {
+        let Some(bodies) = room else { return room.insert(self.system.bodies(places, 0.0)) };
+        for (i, &Body { q, q_low, p, p_low }) in places.iter().enumerate() {
+            (bodies.q[i], bodies.q_low[i], bodies.p[i], bodies.p_low[i]) = (q, q_low, p, p_low);
+        }
+        self.system.refresh(bodies);
+        bodies
+    }
+
+    /// Whether elimination by this plan is enough for these bodies, in a system and as they are, in steps of this
+    /// length: no link depends on others there, nor nearly.
+    pub(super) fn is_plain(
+        &self,
+        plan: &LinkedPlan,
+        (placed, bodies): (&BodiesOf<F, Many, D>, &[Body<f64, D>]),
+        h: f64,
+    ) -> bool {
+        let independent = self.system.freedom(placed) + plan.equations == plan.moving.len();
+        let narrow = || self.ready(bodies, h).is_none_or(|system| system.is_narrow());
+        independent && !(plan.equations > constraints::FEW && narrow())
     }
 
     /// What moves these bodies as a simulation does, in steps of this length.

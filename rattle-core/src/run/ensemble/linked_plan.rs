@@ -129,8 +129,9 @@ impl Sheet {
     }
 }
 
+/// Adds a product of two numbers of each lane.
 #[inline(always)]
-fn add_product<const W: usize>(sum: &mut Numbers<W>, a: &Numbers<W>, b: &Numbers<W>) {
+pub(super) fn add_product<const W: usize>(sum: &mut Numbers<W>, a: &Numbers<W>, b: &Numbers<W>) {
     for l in 0..W {
         sum.0[l] = a.0[l].multiply_add(b.0[l], sum.0[l]);
     }

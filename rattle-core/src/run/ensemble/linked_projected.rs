@@ -24,10 +24,10 @@ use crate::number::real::Real;
 use crate::run::ensemble::dop853_lanes::{error, fit};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
-use crate::run::ensemble::linked_plan::Places;
+use crate::run::ensemble::linked_plan::{Places, add_product};
 use crate::run::ensemble::linked_projected_row::{
-    Kept, Landed, State, Sums, add_product, arrive, bent, between, choose, combine, copy, furthest, length,
-    may_be, move_by, reach_for, shift, terms,
+    Kept, Landed, State, Sums, arrive, bent, between, choose, combine, copy, furthest, length, may_be,
+    move_by, reach_for, shift, terms,
 };
 use crate::run::ensemble::linked_row::{Course, LinkedRow, PIVOT};
 use crate::solve::aim::{INSIDE, ROUNDINGS};
@@ -390,7 +390,7 @@ impl<'a, const W: usize> Desk<'a, W> {
             for &[entry, c] in entries {
                 let (n, size) = (&numbers[gradient + entry], &numbers[q + c]);
                 may_be(n, &off[c], size, &mut square, &mut most);
-                add_product(&normals[entry], &numbers[lifted + entry], &mut slope);
+                add_product(&mut slope, &normals[entry], &numbers[lifted + entry]);
             }
             let (pivot, over) = (&numbers[diagonal + i], &numbers[inverse + i]);
             for l in 0..W {
@@ -505,7 +505,7 @@ impl<const W: usize> Work for Others<'_, '_, W> {
         let Desk { of_equations: [g, shifts], of_entries, beside, .. } = desk;
         for (i, entries) in plan.of_row.iter().enumerate() {
             let mut square = zeros::<W>();
-            entries.iter().for_each(|&[e, _]| add_product(&normals[e], &normals[e], &mut square));
+            entries.iter().for_each(|&[e, _]| add_product(&mut square, &normals[e], &normals[e]));
             for l in 0..W {
                 let far = asked.0[l].min(Fused(OF_RADIUS) * radius.0[l]);
                 shifts[i].0[l] = far / square.0[l].sqrt();
@@ -523,8 +523,8 @@ impl<const W: usize> Work for Others<'_, '_, W> {
             for entries in &plan.of_row {
                 let (mut square, mut along) = (zeros::<W>(), zeros::<W>());
                 for &[e, _] in entries {
-                    add_product(&normals[e], &normals[e], &mut square);
-                    add_product(&normals[e], &of_entries[e], &mut along);
+                    add_product(&mut square, &normals[e], &normals[e]);
+                    add_product(&mut along, &normals[e], &of_entries[e]);
                 }
                 for l in 0..W {
                     let rises = RISES * square.0[l].0 <= along.0[l].0; // not where it is no number

@@ -25,7 +25,6 @@ use crate::run::fingerprint::of_system;
 use crate::solve::crowd::Asked;
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
-use crate::systems::network::constraints;
 use crate::systems::network::in_lanes::{Numbers, zeros};
 use std::any::Any;
 use std::array::from_fn;
@@ -81,22 +80,11 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedProjected<F, D, W>
         kept: &Kept<W>,
         room: &mut Option<BodiesOf<F, Many, D>>,
     ) -> Result<Landed, Stuck> {
-        let (Law { system, masses, .. }, start) = (self.laws.law(lane), self.bodies_of(kept, lane));
+        let (law, start) = (self.laws.law(lane), self.bodies_of(kept, lane));
+        let Law { system, masses, .. } = law;
         let stuck = |failure| Stuck { lane, failure };
-        let bodies = match room {
-            None => {
-                let bodies = room.insert(system.bodies(&start, 0.0));
-                self.method.prepare::<f64, Linked<F, Many, D>, D>((system, system), bodies);
-                bodies
-            }
-            Some(bodies) => {
-                for (i, &Body { q, q_low, p, p_low }) in start.iter().enumerate() {
-                    (bodies.q[i], bodies.q_low[i], bodies.p[i], bodies.p_low[i]) = (q, q_low, p, p_low);
-                }
-                system.refresh(bodies);
-                bodies
-            }
-        };
+        let bodies = law.placed(&start, room);
+        self.method.prepare::<f64, Linked<F, Many, D>, D>((system, system), bodies);
         *bodies.kept.asked() = Asked { steps: number, reach: kept.asked.0[lane].0, near: false };
         let stepped =
             self.method.step::<f64, Linked<F, Many, D>, _, D>((system, system), bodies, &mut [], &mut ());
@@ -185,12 +173,8 @@ where
         let (law, kept) = (self.laws.law(lane), &mut self.kept);
         put(&law.masses, kept, lane, bodies);
         (kept.asked.0[lane], kept.astray.0[lane]) = (Fused(0.0), Fused(0.0));
-        let ahead = law.system.bodies(bodies, 0.0);
-        let independent = law.system.freedom(&ahead) + self.plan.equations == self.plan.moving.len();
-        let narrow = self.plan.equations > constraints::FEW
-            && law.ready(bodies, self.method.step_size()).is_none_or(|system| system.is_narrow());
         let finite = bodies.iter().all(|body| body.q.iter().chain(&body.p).all(|x| x.is_finite()));
-        independent && !narrow && finite
+        finite && law.is_plain(&self.plan, (&law.system.bodies(bodies, 0.0), bodies), self.method.step_size())
     }
 
     fn copy(&mut self, from: usize, to: usize) {

@@ -6,6 +6,7 @@ use crate::motion::course::JUMP;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::two_sum;
+use crate::run::ensemble::linked_plan::add_product;
 use crate::solve::aim::{BOLD, OFF_INSIDE, ROUNDINGS};
 use crate::solve::stop::size_of_terms;
 use crate::systems::network::in_lanes::{Number, Numbers, Which, zeros};
@@ -157,18 +158,11 @@ pub(super) fn length<const W: usize>(
         let (mut x, mut y) = (zeros(), zeros());
         combine(weights, c, n, v, &mut x);
         combine(weights, c, n, a, &mut y);
-        add_product(&x, &x, &mut places);
-        add_product(&y, &y, &mut velocities);
+        add_product(&mut places, &x, &x);
+        add_product(&mut velocities, &y, &y);
     }
     for l in 0..W {
         to.0[l] = places.0[l].sqrt() + whole * velocities.0[l].sqrt();
-    }
-}
-
-#[inline(always)]
-pub(super) fn add_product<const W: usize>(a: &Numbers<W>, b: &Numbers<W>, to: &mut Numbers<W>) {
-    for l in 0..W {
-        to.0[l] = a.0[l].multiply_add(b.0[l], to.0[l]);
     }
 }
 

@@ -4,14 +4,13 @@ use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
 use crate::run::ensemble::apart::{Plan, act_in_lanes};
 use crate::run::ensemble::grouping::{
-    Alike, Different, Groups, HowInLanes, InRows, TurnedAlike, TurnedApart, linked, linked_apart,
-    linked_projected, linked_projected_apart, rigid,
+    Alike, Different, Groups, HowInLanes, InRows, TurnedAlike, TurnedApart, linked, linked_apart, rigid,
 };
 use crate::run::ensemble::precision::{Double, Precision};
 use crate::run::ensemble::side_by_side::STRETCH;
 use crate::run::ensemble::watching::{AnyObserver, Watching};
 
-use crate::effect::list::{Effects, Forces};
+use crate::effect::list::Effects;
 use crate::error::{Error, RecordMistake, StartFailure};
 use crate::motion::bodies::Count;
 use crate::motion::hold::{Hold, Kind};
@@ -82,16 +81,12 @@ impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Scene<C, E, 
     }
 }
 
-/// Whether constraints are of a kind, and a method is a splitting or draws momenta anew. Asked where a constant is
+/// Whether constraints are of a kind that the method moves in rows: a splitting, one that draws momenta anew, or on
+/// links one whose steps are projected. Asked where a constant is
 /// wanted: what is not asked for is then not compiled.
 const fn goes_as<C: Hold<D>, S: Method, const D: usize>(kind: Kind) -> bool {
-    C::KIND as u8 == kind as u8 && (!matches!(S::SPLITTING, Splitting::Not) || S::RENEWS)
-}
-
-/// Whether trajectories are linked bodies whose steps are projected, without flows.
-const fn goes_projected<C: Hold<D>, E: Effects<D>, S: Method, const D: usize>() -> bool {
-    let dop853 = S::PROJECTS as u8 == Projecting::Dop853 as u8;
-    C::KIND as u8 == Kind::Network as u8 && dop853 && E::Forces::<f64>::FLOWS == 0
+    let projects = matches!((kind, S::PROJECTS), (Kind::Network, Projecting::Dop853));
+    C::KIND as u8 == kind as u8 && (!matches!(S::SPLITTING, Splitting::Not) || S::RENEWS || projects)
 }
 
 impl<const D: usize> Ensemble<D> {
@@ -120,10 +115,6 @@ impl<const D: usize> Ensemble<D> {
             if const { goes_as::<C, S, D>(Kind::Network) } {
                 let network = (&scenes[0].constraint as &dyn Any).downcast_ref::<Network<D>>()?;
                 return linked::<P, S, _, D>(network, &scenes[0].effects, starts, lanes);
-            }
-            if const { goes_projected::<C, E, S, D>() } {
-                let network = (&scenes[0].constraint as &dyn Any).downcast_ref::<Network<D>>()?;
-                return linked_projected(network, &scenes[0].effects, starts, lanes);
             }
             if const { goes_as::<C, S, D>(Kind::Phase) } {
                 return C::phase_spaces(&[&scenes[0].constraint], InRows(scenes[0].count, starts, lanes))?;
@@ -180,12 +171,6 @@ impl<const D: usize> Ensemble<D> {
                 let networks = scenes.iter().map(network).collect::<Option<Vec<_>>>()?;
                 let effects = scenes.iter().map(|scene| &scene.effects).collect::<Vec<_>>();
                 return linked_apart::<P, S, _, D>(&networks, &effects, starts, lanes);
-            }
-            if const { goes_projected::<C, E, S, D>() } {
-                let network = |scene: &&'a Scene<C, E, N, D>| (&scene.constraint as &dyn Any).downcast_ref();
-                let networks = scenes.iter().map(network).collect::<Option<Vec<_>>>()?;
-                let effects = scenes.iter().map(|scene| &scene.effects).collect::<Vec<_>>();
-                return linked_projected_apart(&networks, &effects, starts, lanes);
             }
             let constraints = scenes.iter().map(|scene| &scene.constraint).collect::<Vec<_>>();
             if const { goes_as::<C, S, D>(Kind::Phase) } {
