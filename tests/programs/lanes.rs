@@ -26,6 +26,8 @@ mod lanes_phase;
 mod lanes_projected;
 #[path = "../lanes_projected_linked.rs"]
 mod lanes_projected_linked;
+#[path = "../lanes_projected_rigid.rs"]
+mod lanes_projected_rigid;
 #[path = "../lanes_rigid.rs"]
 mod lanes_rigid;
 #[path = "../lanes_splittings.rs"]

@@ -2,13 +2,14 @@
 
 use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
-use crate::methods::dop853::{CHANGE, Dop853, SAFETY};
+use crate::methods::dop853::Dop853;
 use crate::methods::dop853_table::{ERROR_3, ERROR_5, STAGES, STEPS, WEIGHTS};
 use crate::motion::bodies::One;
 use crate::motion::failure::Failure;
 use crate::motion::method::Method;
 use crate::number::lanes::Lane;
 use crate::number::vectors::{Vectors, at, put};
+use crate::run::ensemble::dop853_row::{add_square, combine, error, fit, length, reach};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::projected::{Projects, least_tolerance};
 use crate::run::ensemble::projected_row::Place;
@@ -61,10 +62,10 @@ impl<S: Lane, const L: usize, const D: usize> Projects<S, L, D> for Dop853 {
             for d in 0..D {
                 let low = [&now.q_low[d], &now.p_low[d]];
                 let (mut x, mut y) = ([S::default(); L], [S::default(); L]);
-                combine(STEPS[stage], d, v, &mut x);
-                combine(STEPS[stage], d, f, &mut y);
-                reach::<S, L, SUMS>(inner, &x, &now.q[d], low[0], &mut q[d]);
-                reach::<S, L, SUMS>(inner, &y, &now.p[d], low[1], &mut v[stage][d]);
+                combine(STEPS[stage], |stage| &v[stage][d], &mut x);
+                combine(STEPS[stage], |stage| &f[stage][d], &mut y);
+                reach::<S, L, SUMS>(inner, &x, [&now.q[d], low[0]], &mut q[d]);
+                reach::<S, L, SUMS>(inner, &y, [&now.p[d], low[1]], &mut v[stage][d]);
             }
             rates(laws, q, &v[stage], &mut f[stage]);
         }
@@ -73,8 +74,8 @@ impl<S: Lane, const L: usize, const D: usize> Projects<S, L, D> for Dop853 {
             Some(tolerance) => {
                 let (mut fifth, mut third) = ([S::default(); L], [S::default(); L]);
                 let whole = S::from_f64(self.step_size().abs());
-                length(ERROR_5, whole, v, f, &mut fifth);
-                length(ERROR_3, whole, v, f, &mut third);
+                of_rates(ERROR_5, whole, v, f, &mut fifth);
+                of_rates(ERROR_3, whole, v, f, &mut third);
                 let mut within = [S::from_f64(tolerance); L];
                 for l in 0..L {
                     within[l] = within[l].max(least_tolerance(&at(&now.q, l)));
@@ -84,8 +85,8 @@ impl<S: Lane, const L: usize, const D: usize> Projects<S, L, D> for Dop853 {
         }
         for d in 0..D {
             let (mut x, mut y) = ([S::default(); L], [S::default(); L]);
-            combine(WEIGHTS, d, v, &mut x);
-            combine(WEIGHTS, d, f, &mut y);
+            combine(WEIGHTS, |stage| &v[stage][d], &mut x);
+            combine(WEIGHTS, |stage| &f[stage][d], &mut y);
             for l in 0..L {
                 (way[d][l], change[d][l]) = (inner[l] * x[l], inner[l] * y[l]);
             }
@@ -109,37 +110,6 @@ impl<S: Lane, const L: usize, const D: usize> Projects<S, L, D> for Dop853 {
     }
 }
 
-/// Adds one coordinate of the rates with these weights.
-#[inline(always)]
-fn combine<S: Lane, const L: usize, const D: usize>(
-    weights: &[(usize, f64)],
-    d: usize,
-    rates: &[Vectors<S, L, D>; STAGES],
-    to: &mut [S; L],
-) {
-    for &(stage, weight) in weights {
-        let (weight, rate) = (S::from_f64(weight), &rates[stage][d]);
-        for l in 0..L {
-            to[l] = weight.multiply_add(rate[l], to[l]);
-        }
-    }
-}
-
-/// One coordinate of where these rates lead.
-#[inline(always)]
-fn reach<S: Lane, const L: usize, const SUMS: usize>(
-    inner: &[S; L],
-    rates: &[S; L],
-    from: &[S; L],
-    low: &[S; L],
-    to: &mut [S; L],
-) {
-    for l in 0..L {
-        let way = if SUMS > 0 { inner[l].multiply_add(rates[l], low[l]) } else { inner[l] * rates[l] };
-        to[l] = from[l] + way;
-    }
-}
-
 /// f + ∇g λ at these places and momenta, with λ from g̈ = 0.
 #[inline(always)]
 fn rates<S: Lane, const L: usize, const D: usize>(
@@ -155,9 +125,9 @@ fn rates<S: Lane, const L: usize, const D: usize>(
     }
 }
 
-/// |Σ cⱼ q̇ⱼ| + h |Σ cⱼ ṗⱼ| of each lane.
+/// The [`length`] of all lanes with these weights.
 #[inline(always)]
-fn length<S: Lane, const L: usize, const D: usize>(
+fn of_rates<S: Lane, const L: usize, const D: usize>(
     weights: &[(usize, f64)],
     whole: S,
     v: &[Vectors<S, L, D>; STAGES],
@@ -167,44 +137,10 @@ fn length<S: Lane, const L: usize, const D: usize>(
     let (mut places, mut momenta) = ([S::default(); L], [S::default(); L]);
     for d in 0..D {
         let (mut x, mut y) = ([S::default(); L], [S::default(); L]);
-        combine(weights, d, v, &mut x);
-        combine(weights, d, f, &mut y);
-        for l in 0..L {
-            places[l] = x[l].multiply_add(x[l], places[l]);
-            momenta[l] = y[l].multiply_add(y[l], momenta[l]);
-        }
+        combine(weights, |stage| &v[stage][d], &mut x);
+        combine(weights, |stage| &f[stage][d], &mut y);
+        add_square(&x, &mut places);
+        add_square(&y, &mut momenta);
     }
-    for l in 0..L {
-        to[l] = places[l].sqrt() + whole * momenta[l].sqrt();
-    }
-}
-
-/// The estimated errors of inner steps, from their [lengths](length).
-#[inline(always)]
-pub(super) fn error<S: Lane, const L: usize>(fifth: &[S; L], third: &[S; L], inner: &[S; L]) -> [S; L] {
-    let ([zero, tenth], mut error) = ([0.0, 0.1].map(S::from_f64), *fifth);
-    for l in 0..L {
-        let (a, b) = (fifth[l], tenth * third[l]);
-        let of_lane = inner[l].abs() * a * (a / a.multiply_add(a, b * b).sqrt());
-        error[l] = S::select(a.le(zero), zero, of_lane);
-    }
-    error
-}
-
-/// Which inner steps are within the tolerance, and how long the next ones are to be.
-#[inline(always)]
-pub(super) fn fit<S: Lane, const L: usize>(
-    tolerance: &[S; L],
-    error: &[S; L],
-    inner: &[S; L],
-    next: &mut [S; L],
-    taken: &mut [bool; L],
-) {
-    let [safety, least, most] = [SAFETY, CHANGE.0, CHANGE.1].map(S::from_f64);
-    for l in 0..L {
-        let fits = safety * (tolerance[l] / error[l]).sqrt().sqrt().sqrt();
-        let fits = S::select(least.le(fits), fits, least).min(most); // also where it is no number
-        taken[l] = error[l].le(tolerance[l]);
-        next[l] = inner[l] * S::select(taken[l], fits, fits.min(safety));
-    }
+    length(whole, &places, &momenta, to);
 }

@@ -9,7 +9,6 @@ use crate::motion::bodies::Count;
 use crate::motion::hold::{PhaseSpaces, Surfaces};
 use crate::motion::method::{Method, Projecting, Renewal, Splitting, Stage};
 use crate::motion::state::State;
-use crate::motion::system::System;
 use crate::motion::table::{Table, Tabulated};
 use crate::number::instructions::{Fusing, InstructionSet};
 use crate::number::lanes::{Lane, Lanes};
@@ -17,31 +16,17 @@ use crate::number::vectors::{LANES, MOST_COORDINATES};
 use crate::run::ensemble::apart::NotInLanes;
 use crate::run::ensemble::block::SHORT;
 use crate::run::ensemble::collocation_lanes::CollocationLanes;
-use crate::run::ensemble::engine::Engine;
-use crate::run::ensemble::forces_in_lanes::{Pulls, of_all, of_each};
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::{Each, Laws, Same};
-use crate::run::ensemble::linked_going::{Wide, Width};
-use crate::run::ensemble::linked_lanes::LinkedLanes;
-use crate::run::ensemble::linked_law::LinkedLaws;
-use crate::run::ensemble::linked_plan::LinkedPlan;
-use crate::run::ensemble::linked_projected_lanes::LinkedProjected;
 use crate::run::ensemble::phase_lanes::{PhaseLanes, fits_lanes};
 use crate::run::ensemble::phase_row::ROW as IN_PHASE_SPACE;
 use crate::run::ensemble::precision::{InNumbers, Precision};
 use crate::run::ensemble::projected_lanes::ProjectedLanes;
 use crate::run::ensemble::renewed_lanes::RenewedLanes;
-use crate::run::ensemble::rigid_going::Turns;
-use crate::run::ensemble::rigid_lanes::RigidLanes;
-use crate::run::ensemble::rigid_row::RigidRow;
 use crate::run::ensemble::side_by_side::side_by_side;
 use crate::run::ensemble::splitting_lanes::{Splits, SplittingLanes};
 use crate::run::ensemble::taylor_lanes::{InSeries, TaylorInLanes};
-use crate::systems::network::Network;
-use crate::systems::network::in_lanes::{FEW, ROW};
-use crate::systems::rigid::Rigid;
 use std::marker::PhantomData;
-use std::sync::Arc;
 
 /// Groups of trajectories in lanes, if they go in lanes.
 pub(super) type Groups<const D: usize> = Option<Vec<Box<dyn Group<D>>>>;
@@ -92,7 +77,7 @@ impl HowInLanes {
     }
 
     /// The method that these are, a splitting, as it moves rows, where flows act or do not.
-    fn splits<P: Precision, S: Method>(&self, flows: bool) -> Splits {
+    pub(super) fn splits<P: Precision, S: Method>(&self, flows: bool) -> Splits {
         if let Some(renewal) = self.renewal {
             return Splits::renewed(renewal, self.h, P::compute(Sums), self.set);
         }
@@ -102,7 +87,7 @@ impl HowInLanes {
     }
 
     /// The method that these are, where it is [`Dop853`].
-    fn dop853(&self) -> Dop853 {
+    pub(super) fn dop853(&self) -> Dop853 {
         self.tolerance.map_or(Dop853::new(self.h), |tolerance| Dop853::adaptive(self.h, tolerance))
     }
 }
@@ -245,193 +230,6 @@ fn grouped<P: Precision, S: Method, O: Obeyed<D>, const D: usize>(
 /// for is then not compiled.
 const fn go_in_lanes<S: Method>(kind: Splitting, coordinates: usize) -> bool {
     coordinates <= MOST_COORDINATES && S::SPLITTING as u8 == kind as u8
-}
-
-/// Who moves rows of linked bodies.
-trait MovesLinks {
-    /// No more coordinates go in rows of [`ROW`], where more than a few trajectories do.
-    const IN_WIDE_ROWS: usize;
-    /// Whether sums are compensated.
-    fn sums(&self) -> bool;
-    /// A row, no lane of which is set, of what is obeyed there.
-    fn row<F: Forces<f64, D>, const D: usize, const W: usize>(
-        self,
-        laws: (LinkedPlan, LinkedLaws<F, D, W>),
-    ) -> Box<dyn Engine<D>>
-    where
-        Width: Wide<W>;
-}
-
-impl MovesLinks for Splits {
-    const IN_WIDE_ROWS: usize = usize::MAX;
-
-    fn sums(&self) -> bool {
-        self.sums
-    }
-
-    fn row<F: Forces<f64, D>, const D: usize, const W: usize>(
-        self,
-        laws: (LinkedPlan, LinkedLaws<F, D, W>),
-    ) -> Box<dyn Engine<D>>
-    where
-        Width: Wide<W>,
-    {
-        Box::new(LinkedLanes::new(laws, self))
-    }
-}
-
-impl MovesLinks for (Dop853, Fusing) {
-    /// Stages of more leave the nearer cache: from chains of some 30 links on.
-    const IN_WIDE_ROWS: usize = 64;
-
-    fn sums(&self) -> bool {
-        true
-    }
-
-    fn row<F: Forces<f64, D>, const D: usize, const W: usize>(
-        self,
-        laws: (LinkedPlan, LinkedLaws<F, D, W>),
-    ) -> Box<dyn Engine<D>>
-    where
-        Width: Wide<W>,
-    {
-        Box::new(LinkedProjected::new(laws, self.0, self.1))
-    }
-}
-
-/// Trajectories of linked bodies, no more than there are lanes, in rows, if the method is a splitting or [`Dop853`].
-pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
-    network: &Network<D>,
-    effects: &E,
-    starts: &[State<D>],
-    lanes: &HowInLanes,
-) -> Groups<D> {
-    if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 } {
-        return linked_by((lanes.dop853(), lanes.set), network, effects, starts, lanes.first);
-    }
-    let flows = const { E::Forces::<f64>::FLOWS > 0 };
-    linked_by(lanes.splits::<P, S>(flows), network, effects, starts, lanes.first)
-}
-
-fn linked_by<M: MovesLinks, E: Effects<D>, const D: usize>(
-    method: M,
-    network: &Network<D>,
-    effects: &E,
-    starts: &[State<D>],
-    first: usize,
-) -> Groups<D> {
-    let bodies = starts.first()?.len();
-    let sums = method.sums();
-    // Three rows of a few take less time than a full one.
-    if starts.len() <= 3 * FEW || bodies * D > M::IN_WIDE_ROWS {
-        let row = method.row::<_, D, FEW>(LinkedLaws::by_all(network, effects, bodies, sums)?);
-        return in_rows(FEW, starts, &|from, starts| Some(side_by_side(row.boxed(), first + from, starts)));
-    }
-    let row = method.row::<_, D, ROW>(LinkedLaws::by_all(network, effects, bodies, sums)?);
-    in_rows(ROW, starts, &|from, starts| Some(side_by_side(row.boxed(), first + from, starts)))
-}
-
-/// The same, each in a network and under effects of its own.
-pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, const D: usize>(
-    networks: &[&Network<D>],
-    effects: &[&E],
-    starts: &[State<D>],
-    lanes: &HowInLanes,
-) -> Groups<D> {
-    if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 } {
-        return linked_apart_by(|| (lanes.dop853(), lanes.set), networks, effects, starts, lanes.first);
-    }
-    let flows = const { E::Forces::<f64>::FLOWS > 0 };
-    linked_apart_by(|| lanes.splits::<P, S>(flows), networks, effects, starts, lanes.first)
-}
-
-fn linked_apart_by<M: MovesLinks, E: Effects<D> + 'static, const D: usize>(
-    method: impl Fn() -> M,
-    networks: &[&Network<D>],
-    effects: &[&E],
-    starts: &[State<D>],
-    first: usize,
-) -> Groups<D> {
-    let bodies = starts.first()?.len();
-    if starts.iter().any(|start| start.len() != bodies) {
-        return None;
-    }
-    in_rows(ROW, starts, &|from, starts| {
-        let (own, method) = (from..from + starts.len(), method());
-        let laws = LinkedLaws::by_each(&networks[own.clone()], &effects[own], bodies, method.sums())?;
-        Some(side_by_side(method.row(laws), first + from, starts))
-    })
-}
-
-/// Trajectories of rigid bodies, no more than there are lanes, in rows, if the method is a splitting; in systems of one
-/// scene, or in scenes of their own.
-pub(super) fn rigid<P: Precision, S: Method, Y: System<f64, D>, const D: usize>(
-    bodies: &[&Rigid],
-    systems: &[Y],
-    effects: &impl Turned,
-    starts: &[State<D>],
-    lanes: &HowInLanes,
-) -> Groups<D> {
-    let number = starts.first()?.len();
-    if starts.iter().any(|start| start.len() != number) {
-        return None;
-    }
-    let (first, method) = (lanes.first, Arc::new(lanes.splits::<P, S>(const { Y::FLOWS > 0 })));
-    let rows = Rigids { bodies, systems, effects, starts, first, method };
-    if starts.len() <= 3 * FEW { rows.of::<FEW>() } else { rows.of::<ROW>() }
-}
-
-/// What turns rigid bodies.
-pub(super) trait Turned {
-    /// The effects on W trajectories of so many bodies from this one on.
-    fn pulls<const W: usize>(&self, from: usize, bodies: usize) -> Option<Box<dyn Pulls<RigidRow, W>>>;
-}
-
-/// Those of one scene of bodies of D coordinates.
-pub(super) struct TurnedAlike<'a, E, const D: usize>(pub(super) &'a E);
-
-impl<E: Effects<D>, const D: usize> Turned for TurnedAlike<'_, E, D> {
-    fn pulls<const W: usize>(&self, _: usize, bodies: usize) -> Option<Box<dyn Pulls<RigidRow, W>>> {
-        of_all(self.0, bodies)
-    }
-}
-
-/// Those of scenes of one type, each of a trajectory of its own.
-pub(super) struct TurnedApart<'a, E, const D: usize>(pub(super) &'a [&'a E]);
-
-impl<E: Effects<D> + 'static, const D: usize> Turned for TurnedApart<'_, E, D> {
-    fn pulls<const W: usize>(&self, from: usize, bodies: usize) -> Option<Box<dyn Pulls<RigidRow, W>>> {
-        let number = |lane: usize| if from + lane < self.0.len() { from + lane } else { from }; // the rest copies the first
-        of_each(|lane| self.0[number(lane)], bodies)
-    }
-}
-
-/// Trajectories of rigid bodies, and what they obey: all the same, or each its own.
-struct Rigids<'a, X, Y, const D: usize> {
-    bodies: &'a [&'a Rigid],
-    systems: &'a [Y],
-    effects: &'a X,
-    starts: &'a [State<D>],
-    first: usize,
-    method: Arc<Splits>,
-}
-
-impl<X: Turned, Y: System<f64, D>, const D: usize> Rigids<'_, X, Y, D> {
-    /// Rows of W.
-    fn of<const W: usize>(&self) -> Groups<D>
-    where
-        Width: Turns<W>,
-    {
-        let Self { bodies, systems, effects, starts, first, ref method } = *self;
-        in_rows(W, starts, &|from, starts| {
-            let own = if systems.len() == 1 { 0..1 } else { from..from + starts.len() };
-            let (systems, bodies) = (systems[own.clone()].into(), &bodies[own]);
-            let number = starts[0].len();
-            let pulls = effects.pulls(from, number);
-            let engine = RigidLanes::<Y, D, W>::new(systems, bodies, pulls, number, method.clone());
-            Some(side_by_side(Box::new(engine), first + from, starts))
-        })
-    }
 }
 
 /// Shown constraints and Hamiltonians, puts so many bodies of each trajectory in rows: those of one scene, or each in a

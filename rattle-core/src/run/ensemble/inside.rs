@@ -8,6 +8,15 @@ use crate::run::ensemble::laws::Laws;
 use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
 use std::borrow::Borrow;
 
+/// What the quintic of places, velocities and accelerations at both ends of a step is made of at the share s of the
+/// step: shares of the way, of both velocities times h, and of half of what both accelerations times h² are beyond
+/// those of the cubic.
+#[inline(always)]
+pub(super) fn quintic(s: f64) -> [f64; 5] {
+    let r = 1.0 - s;
+    [s * s * (3.0 - 2.0 * s), s * r * r, -r * s * s, s * s * r * r * r, s * s * s * r * r]
+}
+
 /// How far a step may have led astray, and whether g is as small as along one sheet on the curve through both ends with
 /// their momenta and accelerations, see [`check_sheets`](crate::motion::guarded::Guarded::check_sheets). From a place
 /// with its momentum and acceleration; the way from there, momentum, normal and acceleration at the end; the size of
@@ -38,10 +47,7 @@ pub(super) fn follows<S: Lane, const D: usize>(
     let most = most * most * dot(&normal, &normal);
     let mut plain = true;
     for s in INSIDE {
-        let r = 1.0 - s;
-        let [a, b, c, d, e] =
-            [s * s * (3.0 - 2.0 * s), s * r * r, -r * s * s, s * s * r * r * r, s * s * s * r * r]
-                .map(S::from_f64);
+        let [a, b, c, d, e] = quintic(s).map(S::from_f64);
         let place = add_scaled(&add_scaled(&add_scaled(&from, a, &way), b, &first), c, &last);
         let place = add_scaled(&add_scaled(&place, d, &at_first), e, &at_last);
         let [g] = laws.constraint(lane).borrow().value(&place);

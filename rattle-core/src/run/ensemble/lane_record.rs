@@ -1,8 +1,10 @@
 //! Rows of numbers, one number of each lane, to a record and back.
 
 use crate::error::Error;
-use crate::motion::record::{Reading, Record};
-use crate::number::lanes::Lane;
+use crate::motion::method::Method;
+use crate::motion::record::{Hallmark, Reading, Record};
+use crate::number::lanes::{Fused, Lane};
+use crate::systems::network::in_lanes::Numbers;
 
 /// Rows by their names.
 pub(super) type Rows<'a, S> = Vec<(&'static str, &'a mut [S])>;
@@ -45,4 +47,27 @@ pub(super) fn read<S: Lane>(rows: Rows<'_, S>, from: &mut Reading<'_>) -> Result
         numbers.iter_mut().zip(found).for_each(|(x, &number)| *x = S::from_f64(number));
     }
     Ok(())
+}
+
+/// Writes rows that need no names.
+pub(super) fn write_all<'a, const W: usize>(rows: impl Iterator<Item = &'a Numbers<W>>, to: &mut Record) {
+    let numbers: Vec<_> = rows.flat_map(|row| row.0.map(|x| x.0)).collect();
+    to.numbers("numbers", &[numbers.len() / W, W], numbers);
+}
+
+/// Fills them with what was written.
+pub(super) fn read_all<'a, const W: usize>(
+    rows: impl Iterator<Item = &'a mut Numbers<W>>,
+    from: &mut Reading<'_>,
+) -> Result<(), Error> {
+    let rows: Vec<_> = rows.collect();
+    let numbers = from.numbers("numbers", &[rows.len(), W])?;
+    rows.into_iter().zip(numbers.as_chunks().0).for_each(|(row, &of_lanes)| row.0 = of_lanes.map(Fused));
+    Ok(())
+}
+
+/// What tells a method from others whose steps are projected.
+pub(super) fn of_projected<M: Method>(method: &M) -> Hallmark {
+    let numbers = [f64::from(method.order()), method.step_size(), method.tolerance().unwrap_or(0.0)];
+    Hallmark::new("method", method.name(), numbers.to_vec())
 }

@@ -8,11 +8,13 @@ use crate::motion::parts::Parts;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
 use crate::motion::witness::Whoever;
-use crate::number::lanes::{Fused, Lanes};
+use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
+use crate::run::ensemble::by_itself::placed;
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::Pulling;
+use crate::run::ensemble::lane_record::{read_all, write_all};
 use crate::run::ensemble::linked_going::{Steps, Velocities, Wide, Width};
 use crate::run::ensemble::linked_law::{Heard, Law, LinkedLaws, answer, gradients};
 use crate::run::ensemble::linked_plan::{LinkedPlan, Places};
@@ -169,7 +171,7 @@ fn go_apart<F: Forces<f64, D>, const D: usize, const W: usize>(
     let (plan, Law { system, masses, .. }) = (&common.plan, law);
     let Places { way, way_low, .. } = plan.places;
     let places = bodies_of(common, masses, numbers, lane, [way, way_low], part.unit);
-    let bodies = law.placed(&places, room);
+    let bodies = placed(&*law.system, &places, room);
     let mut heard = Heard::of(&**system);
     let stuck = |failure| Stuck { lane, failure: Some(failure) };
     system.settle(0.0, part.h, bodies, &mut Whoever(&mut heard)).map_err(stuck)?;
@@ -432,8 +434,7 @@ where
     }
 
     fn record(&self, to: &mut Record) {
-        let numbers = self.numbers.iter().flat_map(|numbers| numbers.0.map(|x| x.0));
-        to.numbers("numbers", &[self.numbers.len(), W], numbers);
+        write_all(self.numbers.iter(), to);
         to.counts("part", [self.part as u64]);
         if const { F::FLOWS > 0 } {
             to.list("work", &self.account.work);
@@ -445,10 +446,7 @@ where
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
         let mut again = self.clone();
-        let numbers = from.numbers("numbers", &[self.numbers.len(), W])?;
-        for (to, from) in again.numbers.iter_mut().zip(numbers.as_chunks().0) {
-            *to = Lanes(from.map(Fused));
-        }
+        read_all(again.numbers.iter_mut(), from)?;
         let [part] = from.counted("part")?;
         again.part = part as usize % self.common.method.parts.len();
         if const { F::FLOWS > 0 } {

@@ -49,20 +49,6 @@ impl<F: Forces<f64, D>, const D: usize> Law<F, D> {
         (&self.system.effects, &self.system, &self.masses)
     }
 
-    /// These bodies of the system in this room, which is made where there is none.
-    pub(super) fn placed<'a>(
-        &self,
-        places: &[Body<f64, D>],
-        room: &'a mut Option<BodiesOf<F, Many, D>>,
-    ) -> &'a mut BodiesOf<F, Many, D> {
-        let Some(bodies) = room else { return room.insert(self.system.bodies(places, 0.0)) };
-        for (i, &Body { q, q_low, p, p_low }) in places.iter().enumerate() {
-            (bodies.q[i], bodies.q_low[i], bodies.p[i], bodies.p_low[i]) = (q, q_low, p, p_low);
-        }
-        self.system.refresh(bodies);
-        bodies
-    }
-
     /// Whether elimination by this plan is enough for these bodies, in a system and as they are, in steps of this
     /// length: no link depends on others there, nor nearly.
     pub(super) fn is_plain(

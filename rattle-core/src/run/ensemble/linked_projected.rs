@@ -15,40 +15,29 @@
 //! where their velocities lead, and kinetic energy must not change by what forces did not give. A lane for which one of
 //! these does not hold takes the whole step by itself.
 
-use crate::methods::dop853::{Dop853, SMALLEST_PART};
-use crate::methods::dop853_table::{ERROR_3, ERROR_5, STAGES, STEPS, WEIGHTS};
-use crate::motion::method::Method;
+use crate::methods::dop853::Dop853;
+use crate::methods::dop853_table::STAGES;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
-use crate::run::ensemble::dop853_lanes::{error, fit};
+use crate::run::ensemble::dop853_row::{
+    ARRIVED, BY_ITSELF, MOST_NEWTON_STEPS, MOST_PASSES, MOVES, Pace, Track, choose, put, state,
+};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::linked_plan::{Places, add_product};
 use crate::run::ensemble::linked_projected_row::{
-    Kept, Landed, State, Sums, arrive, bent, between, choose, combine, copy, furthest, length, may_be,
-    move_by, reach_for, shift, terms,
+    Kept, Landed, Sums, bent, between, furthest, may_be, move_by, shift, terms,
 };
 use crate::run::ensemble::linked_row::{Course, LinkedRow, PIVOT};
 use crate::solve::aim::{INSIDE, ROUNDINGS};
 use crate::solve::crowd::{EVERY, OF_RADIUS, RISES, reach, shares};
 use crate::solve::stop::NOISE;
-use crate::systems::network::in_lanes::{Number, Numbers, Which, any, zeros};
+use crate::systems::network::in_lanes::{Numbers, Which, any, zeros};
 use std::array::from_fn;
-
-/// Inner steps, those that are repeated among them, after which a lane goes by itself.
-const MOST_PASSES: usize = 1024;
-
-/// Newton steps onto the constraints after which a lane goes by itself.
-const MOST_NEWTON_STEPS: usize = 12;
 
 /// A Newton step leaves less than this part of the distance.
 const NEARER: f64 = 0.25;
-
-/// A lane is moved, has arrived, or has to take the step by itself.
-const MOVES: u64 = 1;
-const ARRIVED: u64 = 0;
-const BY_ITSELF: u64 = 2;
 
 /// Finds where the step of this number leads a lane by itself.
 pub(super) type Apart<'a, const W: usize> = dyn FnMut(usize, u64, &Kept<W>) -> Result<Landed, Stuck> + 'a;
@@ -75,16 +64,19 @@ impl<const W: usize> Work for ProjectedSteps<'_, '_, W> {
     fn run(self) -> Result<(), Vec<Stuck>> {
         let Self { mut pulling, apart, copy_of, desk, kept, from, steps } = self;
         if !desk.there {
-            copy(&kept.state, &mut desk.now);
+            kept.state.iter().zip(state(&mut desk.tracks)).for_each(|(from, to)| to.copy_from_slice(from));
             desk.be_there(&mut pulling);
         }
         for number in from..from + steps {
             desk.step(&mut pulling);
-            if desk.going.contains(&BY_ITSELF) {
+            if desk.pace.going.contains(&BY_ITSELF) {
                 desk.go_apart(number, kept, copy_of, apart)?;
                 desk.be_there(&mut pulling);
             }
-            copy(&desk.now, &mut kept.state);
+            kept.state
+                .iter_mut()
+                .zip(state(&mut desk.tracks))
+                .for_each(|(to, from)| to.copy_from_slice(from));
             desk.look_around(number + 1, kept)?;
         }
         Ok(())
@@ -94,33 +86,24 @@ impl<const W: usize> Work for ProjectedSteps<'_, '_, W> {
 /// What a thread works on.
 pub(super) struct Desk<'a, const W: usize> {
     course: Course<'a, W>,
-    method: Dop853,
+    pace: Pace<W>,
     dimension: usize,
     /// Numbers of the plan: bodies at a stage, or on trial.
     numbers: Vec<Numbers<W>>,
     /// The mass of each coordinate, 0 where pinned.
     masses: Vec<Numbers<W>>,
-    /// Where inner steps have led; and accelerations and G there, once they have been evaluated.
+    /// Places and velocities; and accelerations and G where they are, once they have been evaluated.
+    tracks: [Track<W>; 2],
     there: bool,
-    now: State<W>,
     pull: Vec<Numbers<W>>,
     normals: Vec<Numbers<W>>,
-    /// Rates of places and of velocities, stage by stage.
-    rates: [Vec<Numbers<W>>; 2],
     /// Two numbers of each equation, and one of each entry of G.
     of_equations: [Vec<Numbers<W>>; 2],
     of_entries: Vec<Numbers<W>>,
     /// Places beside those of bodies, and how far off them a step may lead.
     beside: Vec<Numbers<W>>,
     off: Vec<Numbers<W>>,
-    /// How much of the step is left, and the lengths of the inner step and of the next one.
-    left: Numbers<W>,
-    inner: Numbers<W>,
-    next: Numbers<W>,
-    /// Whether the inner step is within the tolerance.
-    taken: [bool; W],
-    going: Which<W>,
-    /// The same for a lane that seeks the constraints, and the distance that it began its last Newton step at.
+    /// Whether a lane [seeks](MOVES) the constraints, and the distance that it began its last Newton step at.
     seeking: Which<W>,
     distance: Numbers<W>,
     /// How far inner steps may have led astray, and the radius that the path of that one is bent in.
@@ -144,24 +127,18 @@ impl<'a, const W: usize> Desk<'a, W> {
         }
         Self {
             course,
-            method,
+            pace: Pace::new(method),
             dimension,
             numbers: rows(plan.places.end),
             masses,
+            tracks: from_fn(|_| Track::new(n)),
             there: false,
-            now: from_fn(|_| rows(n)),
             pull: rows(n),
             normals: rows(entries),
-            rates: [rows(STAGES * n), rows(STAGES * n)],
             of_equations: [rows(m), rows(m)],
             of_entries: rows(entries),
             beside: rows(n),
             off: rows(n),
-            left: zeros(),
-            inner: zeros(),
-            next: zeros(),
-            taken: [true; W],
-            going: [ARRIVED; W],
             seeking: [ARRIVED; W],
             distance: zeros(),
             strays: zeros(),
@@ -179,8 +156,8 @@ impl<'a, const W: usize> Desk<'a, W> {
     fn be_there(&mut self, pulling: &mut Pulls<'_, '_, W>) {
         let Places { q, way, gradient, change, .. } = self.course.plan.places;
         let (n, entries) = (self.pull.len(), self.normals.len());
-        self.numbers[q..q + n].copy_from_slice(&self.now[0]);
-        self.numbers[way..way + n].copy_from_slice(&self.now[1]);
+        self.numbers[q..q + n].copy_from_slice(&self.tracks[0].now);
+        self.numbers[way..way + n].copy_from_slice(&self.tracks[1].now);
         self.respond(true, pulling);
         self.there = true;
         self.pull.copy_from_slice(&self.numbers[change..change + n]);
@@ -198,7 +175,7 @@ impl<'a, const W: usize> Desk<'a, W> {
         copy_of: &[usize; W],
         apart: &mut Apart<'_, W>,
     ) -> Result<(), Vec<Stuck>> {
-        let (mut stuck, going) = (Vec::new(), self.going);
+        let (mut stuck, going) = (Vec::new(), self.pace.going);
         for of in (0..W).filter(|&of| copy_of[of] == of && going[of] == BY_ITSELF) {
             match apart(of, number, kept) {
                 Ok(landed) => {
@@ -212,9 +189,7 @@ impl<'a, const W: usize> Desk<'a, W> {
 
     /// Takes over where a lane is that went by itself.
     fn take_over(&mut self, lane: usize, Landed { state, strays, path }: &Landed) {
-        for (now, landed) in self.now.iter_mut().zip(state) {
-            now.iter_mut().zip(landed).for_each(|(now, &landed)| now.0[lane] = Fused(landed));
-        }
+        put(&mut self.tracks, lane, state);
         let [strays, path] = [*strays, *path].map(Fused);
         (self.strays.0[lane], self.radius.0[lane]) = (strays, bent(path, strays));
     }
@@ -230,16 +205,22 @@ impl<'a, const W: usize> Desk<'a, W> {
     /// Finds where one step leads all lanes. Those that it cannot lead there are [`BY_ITSELF`] then.
     #[inline(always)]
     fn step(&mut self, pulling: &mut Pulls<'_, '_, W>) {
-        let h = Fused(self.method.step_size());
-        (self.left.0, self.inner.0, self.going) = ([h; W], [h; W], [MOVES; W]);
+        self.pace.begin();
         (self.strays, self.radius.0) = (zeros(), [Fused(f64::INFINITY); W]);
         for pass in 0..MOST_PASSES {
             self.evaluate(pulling);
-            self.estimate();
+            if self.pace.has_tolerance() {
+                for first in (0..self.pull.len()).step_by(self.dimension) {
+                    let own = first..first + self.dimension;
+                    let places = self.tracks[0].squares(own.clone());
+                    let velocities = self.tracks[1].squares(own);
+                    self.pace.note(&places, &velocities);
+                }
+            }
+            self.pace.judge();
             self.depart();
             for l in 0..W {
-                let seeks = self.going[l] == MOVES && self.taken[l];
-                self.seeking[l] = if seeks { MOVES } else { ARRIVED };
+                self.seeking[l] = if self.pace.takes(l) { MOVES } else { ARRIVED };
                 self.distance.0[l] = Fused(f64::INFINITY);
             }
             for _ in 0..MOST_NEWTON_STEPS {
@@ -250,7 +231,7 @@ impl<'a, const W: usize> Desk<'a, W> {
             self.course.project(&mut self.numbers);
             self.respond(false, pulling);
             self.look();
-            if !self.take(pass, h) {
+            if !self.take(pass + 1) {
                 return;
             }
         }
@@ -261,60 +242,31 @@ impl<'a, const W: usize> Desk<'a, W> {
     fn evaluate(&mut self, pulling: &mut Pulls<'_, '_, W>) {
         let plan = self.course.plan;
         let (Places { q, way, change, .. }, n) = (plan.places, plan.coordinates);
-        for l in 0..W {
-            let [left, inner] = [self.left.0[l], self.inner.0[l]];
-            self.inner.0[l] = Real::select(left.0.abs() <= inner.0.abs(), left, inner);
-        }
-        self.rates[0][..n].copy_from_slice(&self.now[1]);
-        self.rates[1][..n].copy_from_slice(&self.pull);
+        self.pace.begin_inner();
+        let [places, velocities] = &mut self.tracks;
+        places.note(0, &velocities.now);
+        velocities.note(0, &self.pull);
         for stage in 1..STAGES {
-            for &c in &plan.moving {
-                let (mut x, mut y) = (zeros(), zeros());
-                combine(STEPS[stage], c, n, &self.rates[0], &mut x);
-                combine(STEPS[stage], c, n, &self.rates[1], &mut y);
-                let [place, velocity, place_low, velocity_low] = self.now.each_ref().map(|of| &of[c]);
-                reach_for(&self.inner, &x, [place, place_low], &mut self.numbers[q + c]);
-                reach_for(&self.inner, &y, [velocity, velocity_low], &mut self.numbers[way + c]);
-                self.rates[0][stage * n + c] = self.numbers[way + c];
+            let [places, velocities] = &mut self.tracks;
+            for (track, from) in [(&*places, q), (&*velocities, way)] {
+                let to = &mut self.numbers[from..from + n];
+                track.stage(stage, plan.moving.iter().copied(), &self.pace.inner, to);
             }
+            places.note(stage, &self.numbers[way..way + n]);
             self.respond(true, pulling);
-            self.rates[1][stage * n..][..n].copy_from_slice(&self.numbers[change..change + n]);
+            self.tracks[1].note(stage, &self.numbers[change..change + n]);
         }
-    }
-
-    /// Which inner steps are within the tolerance, and how long the next ones are to be.
-    #[inline(always)]
-    fn estimate(&mut self) {
-        let Some(tolerance) = self.method.tolerance() else {
-            (self.next, self.taken) = (self.inner, [true; W]);
-            return;
-        };
-        let (n, whole) = (self.course.plan.coordinates, Fused(self.method.step_size().abs()));
-        let mut worst = zeros::<W>();
-        for first in (0..n).step_by(self.dimension) {
-            let body = first..first + self.dimension;
-            let (mut fifth, mut third) = (zeros(), zeros());
-            length(ERROR_5, body.clone(), n, whole, &self.rates, &mut fifth);
-            length(ERROR_3, body, n, whole, &self.rates, &mut third);
-            let error = error(&fifth.0, &third.0, &self.inner.0);
-            for l in 0..W {
-                let (error, most) = (error[l], worst.0[l]);
-                worst.0[l] = Real::select((error.0 <= most.0) | most.0.is_nan(), most, error);
-            }
-        }
-        fit(&[Fused(tolerance); W], &worst.0, &self.inner.0, &mut self.next.0, &mut self.taken);
     }
 
     /// Where inner steps lead regardless of the constraints.
     #[inline(always)]
     fn depart(&mut self) {
         let plan = self.course.plan;
-        let (Places { q, q_low, way, way_low, .. }, n) = (plan.places, plan.coordinates);
+        let Places { q, q_low, way, way_low, .. } = plan.places;
         for &c in &plan.moving {
-            for (i, [high, low]) in [[q, q_low], [way, way_low]].into_iter().enumerate() {
-                let (mut rate, mut sum, mut rest) = (zeros(), zeros(), zeros());
-                combine(WEIGHTS, c, n, &self.rates[i], &mut rate);
-                arrive(&self.inner, &rate, [&self.now[i][c], &self.now[2 + i][c]], &mut sum, &mut rest);
+            for (track, [high, low]) in self.tracks.iter().zip([[q, q_low], [way, way_low]]) {
+                let (mut sum, mut rest) = (zeros(), zeros());
+                track.arrive(c, &self.pace.inner, &mut sum, &mut rest);
                 (self.numbers[high + c], self.numbers[low + c]) = (sum, rest);
             }
         }
@@ -374,8 +326,9 @@ impl<'a, const W: usize> Desk<'a, W> {
     /// Has lanes go by themselves whose inner step cannot be believed.
     #[inline(always)]
     fn look(&mut self) {
-        let Self { course, numbers, now, pull, normals, .. } = self;
-        let Self { of_equations: [g, allowed], of_entries, beside, off, inner, .. } = self;
+        let Self { course, numbers, tracks: [places, velocities], pull, normals, .. } = self;
+        let Self { of_equations: [g, allowed], of_entries, beside, off, pace, .. } = self;
+        let (now, inner) = ([&places.now, &velocities.now], &pace.inner);
         let Course { plan, links, set, .. } = *course;
         let Places { q, way, gradient, lifted, change, diagonal, inverse, .. } = plan.places;
         let mut sums = Sums::default();
@@ -401,7 +354,7 @@ impl<'a, const W: usize> Desk<'a, W> {
             }
         }
         for s in INSIDE {
-            beside.copy_from_slice(&now[0]);
+            beside.copy_from_slice(now[0]);
             for &c in &plan.moving {
                 let from = [&now[0][c], &now[1][c], &pull[c]];
                 let to = [q, way, change].map(|of| &numbers[of + c]);
@@ -419,37 +372,22 @@ impl<'a, const W: usize> Desk<'a, W> {
             let Sums { astray, path, size, .. } = &sums;
             let (astray, rounding) = (astray.0[l], Fused(ROUNDINGS * f64::EPSILON) * size.0[l]);
             let believed = (plain[l] != 0) & sums.is_plain(l, rounding) & (self.seeking[l] == ARRIVED);
-            let moves = (self.going[l] == MOVES) & self.taken[l];
-            if moves & (self.strays.0[l].0 < astray.0) {
+            if self.pace.takes(l) & (self.strays.0[l].0 < astray.0) {
                 (self.strays.0[l], self.radius.0[l]) = (astray, bent(path.0[l], astray));
             }
-            self.going[l] = if moves & !believed { BY_ITSELF } else { self.going[l] };
+            self.pace.doubt(l, believed);
         }
     }
 
-    /// Takes the inner steps that are taken. Returns whether a lane has still some way to go.
+    /// Takes the inner steps that are taken, after so many. Returns whether a lane has still some way to go.
     #[inline(always)]
-    fn take(&mut self, pass: usize, h: Number) -> bool {
+    fn take(&mut self, passes: usize) -> bool {
         let plan = self.course.plan;
         let Places { q, q_low, way, way_low, gradient, change, .. } = plan.places;
-        let (shortest, end) = (SMALLEST_PART * h.0.abs(), pass + 1 == MOST_PASSES);
-        let (mut moves, mut any) = ([0; W], false);
-        for l in 0..W {
-            let goes = self.going[l] == MOVES;
-            let (takes, left) = (goes & self.taken[l], self.left.0[l]);
-            moves[l] = u64::from(takes);
-            let left = if takes { left - self.inner.0[l] } else { left };
-            let collapsed = !self.taken[l] & (self.next.0[l].0.abs() < shortest);
-            let arrived = left.0 == 0.0;
-            let on = if arrived { ARRIVED } else { MOVES };
-            let on = if collapsed | (end & !arrived) { BY_ITSELF } else { on };
-            (self.left.0[l], self.inner.0[l]) = (left, self.next.0[l]);
-            self.going[l] = if goes { on } else { self.going[l] };
-            any |= self.going[l] == MOVES;
-        }
+        let (moves, any) = self.pace.advance(passes);
         for &c in &plan.moving {
-            for (to, from) in self.now.iter_mut().zip([q, way, q_low, way_low]) {
-                choose(&moves, &self.numbers[from + c], &mut to[c]);
+            for (track, [high, low]) in self.tracks.iter_mut().zip([[q, q_low], [way, way_low]]) {
+                track.take(&moves, c, [&self.numbers[high + c], &self.numbers[low + c]]);
             }
             choose(&moves, &self.numbers[change + c], &mut self.pull[c]);
         }
@@ -501,7 +439,7 @@ impl<const W: usize> Work for Others<'_, '_, W> {
     #[inline(always)]
     fn run(self) -> Result<(), Vec<Stuck>> {
         let Self { desk, turn, lanes, asked } = self;
-        let Desk { course: Course { plan, links, set, .. }, now, normals, radius, .. } = desk;
+        let Desk { course: Course { plan, links, set, .. }, tracks, normals, radius, .. } = desk;
         let Desk { of_equations: [g, shifts], of_entries, beside, .. } = desk;
         for (i, entries) in plan.of_row.iter().enumerate() {
             let mut square = zeros::<W>();
@@ -513,7 +451,7 @@ impl<const W: usize> Work for Others<'_, '_, W> {
         }
         let mut crowded = [0; W];
         for share in shares(turn) {
-            beside.copy_from_slice(&now[0]);
+            beside.copy_from_slice(&tracks[0].now);
             for (i, entries) in plan.of_row.iter().enumerate() {
                 for &[entry, c] in entries.iter().filter(|&&[_, c]| plan.masses[c][1] != 0.0) {
                     shift(Fused(share), &shifts[i], &normals[entry], &mut beside[c]);

@@ -13,8 +13,10 @@ use crate::motion::record::{Hallmark, Reading, Record};
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
+use crate::run::ensemble::by_itself::{placed, step, steps};
 use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::Pulling;
+use crate::run::ensemble::lane_record::{of_projected, read_all, write_all};
 use crate::run::ensemble::linked_going::{Wide, Width};
 use crate::run::ensemble::linked_law::{Law, LinkedLaws};
 use crate::run::ensemble::linked_plan::LinkedPlan;
@@ -83,12 +85,9 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedProjected<F, D, W>
         let (law, start) = (self.laws.law(lane), self.bodies_of(kept, lane));
         let Law { system, masses, .. } = law;
         let stuck = |failure| Stuck { lane, failure };
-        let bodies = law.placed(&start, room);
-        self.method.prepare::<f64, Linked<F, Many, D>, D>((system, system), bodies);
+        let (bodies, system) = (placed(&**system, &start, room), &**system);
         *bodies.kept.asked() = Asked { steps: number, reach: kept.asked.0[lane].0, near: false };
-        let stepped =
-            self.method.step::<f64, Linked<F, Many, D>, _, D>((system, system), bodies, &mut [], &mut ());
-        stepped.map_err(|failure| stuck(Some(failure)))?;
+        step(&self.method, (system, system), bodies).map_err(|failure| stuck(Some(failure)))?;
         if bodies.kept.asked().near {
             return Err(stuck(None));
         }
@@ -206,16 +205,10 @@ where
         parts: u32,
         _: &mut u64,
     ) -> Result<Moved<D>, Failure> {
-        let (law, h) = (self.laws.law(lane), self.method.step_size());
-        let ready = law.ready(bodies, h);
+        let law = self.laws.law(lane);
+        let ready = law.ready(bodies, self.method.step_size());
         let system = ready.as_ref().unwrap_or(&law.system);
-        let part = self.method.with_step(h / f64::from(parts));
-        let mut bodies = system.bodies(bodies, 0.0);
-        part.prepare::<f64, Linked<F, Many, D>, D>((system, system), &mut bodies);
-        for _ in 0..steps * u64::from(parts) {
-            part.step::<f64, Linked<F, Many, D>, _, D>((system, system), &mut bodies, &mut [], &mut ())?;
-        }
-        Ok((bodies.all(), 0.0))
+        self::steps(&self.method, (system, system), bodies, steps, parts)
     }
 
     fn kick_alone(&self, steps: u32) {
@@ -233,18 +226,12 @@ where
     }
 
     fn record(&self, to: &mut Record) {
-        let mut kept = self.kept.clone();
-        let numbers: Vec<_> = kept.all().flat_map(|numbers| numbers.0.map(|x| x.0)).collect();
-        to.numbers("numbers", &[numbers.len() / W, W], numbers);
+        write_all(self.kept.clone().all().map(|row| &*row), to);
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
         let mut again = self.clone();
-        let number = again.kept.all().count();
-        let numbers = from.numbers("numbers", &[number, W])?;
-        for (to, from) in again.kept.all().zip(numbers.chunks_exact(W)) {
-            to.0.iter_mut().zip(from).for_each(|(to, &from)| *to = Fused(from));
-        }
+        read_all(again.kept.all(), from)?;
         Ok(Box::new(again))
     }
 
@@ -253,8 +240,7 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        let (method, tolerance) = (&self.method, self.method.tolerance().unwrap_or(0.0));
-        Hallmark::new("method", method.name(), vec![f64::from(method.order()), method.step_size(), tolerance])
+        of_projected(&self.method)
     }
 }
 

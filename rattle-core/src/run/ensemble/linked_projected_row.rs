@@ -6,15 +6,12 @@ use crate::motion::course::JUMP;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::two_sum;
-use crate::run::ensemble::linked_plan::add_product;
+use crate::run::ensemble::dop853_row::State;
+use crate::run::ensemble::inside::quintic;
 use crate::solve::aim::{BOLD, OFF_INSIDE, ROUNDINGS};
 use crate::solve::stop::size_of_terms;
 use crate::systems::network::in_lanes::{Number, Numbers, Which, zeros};
 use std::array::from_fn;
-use std::ops::Range;
-
-/// Places and velocities, and what rounding took from both, coordinate by coordinate.
-pub(super) type State<const W: usize> = [Vec<Numbers<W>>; 4];
 
 /// Where bodies are and how fast, and what rounding took from both: what is kept of a row from step to step; and how
 /// far steps may lead astray, as far as other sheets were looked for, and as far as it has been since.
@@ -46,12 +43,6 @@ pub(super) struct Landed {
     /// How far the step may have led astray, and how far it led.
     pub(super) strays: f64,
     pub(super) path: f64,
-}
-
-/// Copies a state.
-#[inline(always)]
-pub(super) fn copy<const W: usize>(from: &State<W>, to: &mut State<W>) {
-    to.iter_mut().zip(from).for_each(|(to, from)| to.copy_from_slice(from));
 }
 
 /// The radius that a path is bent in, as on a circle, on which a step leads so far astray.
@@ -126,75 +117,6 @@ impl<const W: usize> Sums<W> {
     }
 }
 
-/// Adds the rates of a coordinate with these weights.
-#[inline(always)]
-pub(super) fn combine<const W: usize>(
-    weights: &[(usize, f64)],
-    c: usize,
-    n: usize,
-    rates: &[Numbers<W>],
-    to: &mut Numbers<W>,
-) {
-    for &(stage, weight) in weights {
-        let rate = &rates[stage * n + c];
-        for l in 0..W {
-            to.0[l] = Fused(weight).multiply_add(rate.0[l], to.0[l]);
-        }
-    }
-}
-
-/// |Σ cⱼ vⱼ| + h |Σ cⱼ v̇ⱼ| of a body.
-#[inline(always)]
-pub(super) fn length<const W: usize>(
-    weights: &[(usize, f64)],
-    body: Range<usize>,
-    n: usize,
-    whole: Number,
-    [v, a]: &[Vec<Numbers<W>>; 2],
-    to: &mut Numbers<W>,
-) {
-    let (mut places, mut velocities) = (zeros::<W>(), zeros::<W>());
-    for c in body {
-        let (mut x, mut y) = (zeros(), zeros());
-        combine(weights, c, n, v, &mut x);
-        combine(weights, c, n, a, &mut y);
-        add_product(&mut places, &x, &x);
-        add_product(&mut velocities, &y, &y);
-    }
-    for l in 0..W {
-        to.0[l] = places.0[l].sqrt() + whole * velocities.0[l].sqrt();
-    }
-}
-
-/// Where a rate leads from a number with its low digits.
-#[inline(always)]
-pub(super) fn reach_for<const W: usize>(
-    inner: &Numbers<W>,
-    rate: &Numbers<W>,
-    [from, low]: [&Numbers<W>; 2],
-    to: &mut Numbers<W>,
-) {
-    for l in 0..W {
-        to.0[l] = from.0[l] + inner.0[l].multiply_add(rate.0[l], low.0[l]);
-    }
-}
-
-/// The same as a sum of two.
-#[inline(always)]
-pub(super) fn arrive<const W: usize>(
-    inner: &Numbers<W>,
-    rate: &Numbers<W>,
-    [from, low]: [&Numbers<W>; 2],
-    sum: &mut Numbers<W>,
-    rest: &mut Numbers<W>,
-) {
-    for l in 0..W {
-        let by = low.0[l] + inner.0[l] * rate.0[l];
-        let ([high], [low]) = two_sum(&[from.0[l]], &[by]);
-        (sum.0[l], rest.0[l]) = (high, low);
-    }
-}
-
 /// Moves a coordinate of some lanes.
 #[inline(always)]
 pub(super) fn move_by<const W: usize>(
@@ -207,14 +129,6 @@ pub(super) fn move_by<const W: usize>(
         let ([high], [rest]) = two_sum(&[place.0[l]], &[low.0[l] + by.0[l]]);
         place.0[l] = Real::select(lanes[l] != 0, high, place.0[l]);
         low.0[l] = Real::select(lanes[l] != 0, rest, low.0[l]);
-    }
-}
-
-/// Writes the numbers of some lanes.
-#[inline(always)]
-pub(super) fn choose<const W: usize>(lanes: &Which<W>, from: &Numbers<W>, to: &mut Numbers<W>) {
-    for l in 0..W {
-        to.0[l] = Real::select(lanes[l] != 0, from.0[l], to.0[l]);
     }
 }
 
@@ -283,9 +197,7 @@ pub(super) fn between<const W: usize>(
     beside: &mut Numbers<W>,
 ) {
     let [two, three, half] = [2.0, 3.0, 0.5].map(Fused);
-    let r = 1.0 - s;
-    let [of_way, of_first, of_last, of_bend, of_end] =
-        [s * s * (3.0 - 2.0 * s), s * r * r, -r * s * s, s * s * r * r * r, s * s * s * r * r].map(Fused);
+    let [of_way, of_first, of_last, of_bend, of_end] = quintic(s).map(Fused);
     for l in 0..W {
         let h = inner.0[l];
         let (way, first, last) = (to.0[l] - from.0[l], h * v.0[l], h * v_end.0[l]);

@@ -18,13 +18,13 @@
 //!   method, [`Dop853`](crate::methods::dop853::Dop853) or [`Taylor`](crate::methods::taylor::Taylor); except for the
 //!   last three also with [flows](crate::effect::Flow) of momenta, such as heat, drag and magnetic fields, unless they
 //!   [feel forces](crate::effect::Flow::FEELS_FORCES) or have a memory;
-//! * any number of linked bodies, moved by the same methods except those three, always in double precision; also
-//!   with flows of momenta, of the same kinds.
+//! * any number of linked bodies, moved by the same methods except Lobatto's and `Taylor`, always in double precision;
+//!   also with flows of momenta, of the same kinds.
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
 //!   different topologies, or with other bodies pinned;
-//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the same methods, always in double
-//!   precision; also with flows of momenta, of the same kinds;
+//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the methods of linked bodies, always in
+//!   double precision; also with flows of momenta, of the same kinds;
 //! * any number of bodies in [phase space](crate::systems::phase), of up to 16 coordinates, moved by RATTLE or a
 //!   composition of it, always in double precision with compensated sums.
 //!
@@ -60,13 +60,16 @@ mod apart;
 mod around;
 mod asked;
 mod block;
+mod by_itself;
 mod collocation_lanes;
 mod crossing;
 mod dop853_lanes;
+mod dop853_row;
 mod engine;
 mod forces_in_lanes;
 mod group;
 mod grouping;
+mod grouping_rows;
 mod inside;
 mod lane_record;
 mod laws;
@@ -98,6 +101,9 @@ mod renewed_lanes;
 mod rhythm;
 mod rigid_going;
 mod rigid_lanes;
+mod rigid_law;
+mod rigid_projected;
+mod rigid_projected_lanes;
 mod rigid_row;
 mod rigid_stirring;
 mod row;

@@ -27,6 +27,7 @@ use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::around::may_go;
+use crate::run::ensemble::dop853_row::{MOST_NEWTON_STEPS, MOST_PASSES};
 use crate::run::ensemble::inside::follows;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::projected_row::{Place, Row, Scratch};
@@ -35,12 +36,6 @@ use crate::solve::aim::{BOLD, ROUNDINGS};
 use crate::solve::stop::{NOISE, TERMS};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use std::borrow::Borrow;
-
-/// Inner steps, those that are repeated among them, after which a lane goes by itself.
-const MOST_PASSES: usize = 1024;
-
-/// Newton steps onto the constraint after which a lane goes by itself.
-const MOST_NEWTON_STEPS: usize = 12;
 
 /// In single precision no tolerance is smaller than so many roundings of places: each inner step leaves one.
 const LEAST_ROUNDINGS: f64 = 4.0;

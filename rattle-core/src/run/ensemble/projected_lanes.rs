@@ -14,7 +14,7 @@ use crate::number::vectors::at;
 use crate::run::ensemble::around::{ask_around, look_as_far};
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
-use crate::run::ensemble::lane_record::InRows;
+use crate::run::ensemble::lane_record::{InRows, of_projected};
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::projected::{Projects, advance};
 use crate::run::ensemble::projected_row::{Row, Scratch};
@@ -162,9 +162,7 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        let method = self.method.method();
-        let tolerance = method.tolerance().unwrap_or(0.0);
-        Hallmark::new("method", method.name(), vec![f64::from(method.order()), self.h, tolerance])
+        of_projected(self.method.method())
     }
 }
 

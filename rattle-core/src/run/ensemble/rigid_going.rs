@@ -2,6 +2,7 @@
 
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::linked_going::Width;
+use crate::run::ensemble::rigid_projected::ProjectedSteps;
 use crate::run::ensemble::rigid_row::Steps;
 use crate::run::ensemble::rigid_stirring::StirredSteps;
 use crate::systems::network::in_lanes::{FEW, ROW};
@@ -30,4 +31,10 @@ impl Turns<FEW> for Width {
     fn stir(steps: StirredSteps<'_, '_, FEW>) -> Result<(), Stuck> {
         steps.course.set.run(steps)
     }
+}
+
+/// Takes steps that are projected.
+#[inline(never)]
+pub(super) fn project(steps: ProjectedSteps<'_, '_>) -> Result<(), Vec<Stuck>> {
+    steps.desk.set.run(steps)
 }

@@ -5,20 +5,21 @@ use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
-use crate::number::lanes::{Fused, Lanes};
+use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
-use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls};
+use crate::run::ensemble::forces_in_lanes::Pulling;
+use crate::run::ensemble::lane_record::{read_all, write_all};
 use crate::run::ensemble::linked_going::Width;
 use crate::run::ensemble::renewed_lanes;
 use crate::run::ensemble::rigid_going::Turns;
-use crate::run::ensemble::rigid_row::{Course, Inertia, RigidRow, Rotor, Steps, Three, Weights, push};
+use crate::run::ensemble::rigid_law::RigidLaws;
+use crate::run::ensemble::rigid_row::{Course, RigidRow, Rotor, Steps, Three, Weights, push};
 use crate::run::ensemble::rigid_stirring::{Question, RotorStirring, StirredSteps, answer};
 use crate::run::ensemble::splitting_lanes::{Splits, StirredAlone, by_itself};
 use crate::run::fingerprint::of_system;
 use crate::systems::network::in_lanes::{at, put, zeros};
-use crate::systems::rigid::Rigid;
 use std::any::Any;
 use std::array::from_fn;
 use std::hint::black_box;
@@ -26,12 +27,7 @@ use std::sync::Arc;
 
 /// A row of trajectories of rigid bodies, moved by a splitting. D is 9.
 pub(super) struct RigidLanes<Y, const D: usize, const W: usize> {
-    /// One for all lanes, or one for each.
-    systems: Arc<[Y]>,
-    /// Which of them each lane obeys.
-    system: [usize; W],
-    inertia: Inertia<W>,
-    pulls: Option<Box<dyn Pulls<RigidRow, W>>>,
+    laws: RigidLaws<Y, Rotor<W>, W>,
     bodies: Vec<Rotor<W>>,
     /// What stirs them, and the work of flows on each lane since the start; nothing without flows.
     stirring: Option<Box<RotorStirring<W>>>,
@@ -45,8 +41,7 @@ pub(super) struct RigidLanes<Y, const D: usize, const W: usize> {
 impl<Y, const D: usize, const W: usize> Clone for RigidLanes<Y, D, W> {
     fn clone(&self) -> Self {
         Self {
-            systems: self.systems.clone(),
-            pulls: self.pulls.as_ref().map(|pulls| pulls.boxed()),
+            laws: self.laws.clone(),
             bodies: self.bodies.clone(),
             stirring: self.stirring.clone(),
             work: self.work.clone(),
@@ -58,28 +53,12 @@ impl<Y, const D: usize, const W: usize> Clone for RigidLanes<Y, D, W> {
 }
 
 impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
-    /// Lanes, none of them set, for so many bodies; one system and its body for all lanes, or one for each.
-    pub(super) fn new(
-        systems: Arc<[Y]>,
-        rigid: &[&Rigid],
-        pulls: Option<Box<dyn Pulls<RigidRow, W>>>,
-        bodies: usize,
-        method: Arc<Splits>,
-    ) -> Self {
-        let of = |lane: usize| if lane < rigid.len() { lane } else { 0 };
-        let mut inertia = rigid[0].moments().map(|x| Lanes([Fused(x); W]));
-        for lane in 0..W {
-            inertia.put(lane, &rigid[of(lane)].moments().map(Fused));
-        }
-        let system: [usize; W] = from_fn(|lane| if lane < systems.len() { lane } else { 0 });
-        let stirring = RotorStirring::of(|lane| &systems[system[lane]], &method).map(Box::new);
+    /// Lanes, none of them set, for so many bodies.
+    pub(super) fn new(laws: RigidLaws<Y, Rotor<W>, W>, bodies: usize, method: Arc<Splits>) -> Self {
         Self {
             work: if const { Y::FLOWS > 0 } { vec![0.0; W] } else { Vec::new() },
-            stirring,
-            system,
-            systems,
-            inertia,
-            pulls,
+            stirring: RotorStirring::of(|lane| laws.system(lane), &method).map(Box::new),
+            laws,
             bodies: vec![Rotor::new(); bodies],
             guesses: Weights::of(&method.parts).into(),
             method,
@@ -88,9 +67,9 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
     }
 
     fn course(&self) -> Course<'_, W> {
-        let Self { inertia, guesses, method, .. } = self;
+        let Self { laws, guesses, method, .. } = self;
         let Splits { parts, equal, sums, set, .. } = &**method;
-        Course { inertia, parts, guesses, equal: *equal, sums: *sums, set: *set }
+        Course { inertia: &laws.inertia, parts, guesses, equal: *equal, sums: *sums, set: *set }
     }
 
     /// Momenta of all bodies times the unit of the part to come, and what rounding took from them: with the kick of
@@ -100,7 +79,7 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
         let Part { unit, lead, .. } = parts[part];
         let mut ways: Vec<_> = bodies.iter().map(|rotor| [rotor.way, rotor.way_low]).collect();
         if lead != 0.0
-            && let Some(pulls) = &self.pulls
+            && let Some(pulls) = &self.laws.pulls
         {
             let mut kicks = vec![[zeros(); 3]; bodies.len()];
             pulls.begin().pull(*set, -unit * lead, (bodies, &mut kicks));
@@ -157,11 +136,12 @@ where
 
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let (mut bodies, mut part, n) = (self.bodies.clone(), self.part, self.bodies.len());
-        let mut room = self.pulls.as_ref().map(|pulls| pulls.begin());
+        let mut room = self.laws.pulls.as_ref().map(|pulls| pulls.begin());
         let (mut kicks, mut work) = (vec![[zeros(); 3]; n], self.work.clone());
         while let Some(Leg { from, steps, written, .. }) = tour.next() {
             let (course, bodies, kicks) = (self.course(), &mut bodies[..], &mut kicks[..]);
-            let pulling = room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<RigidRow, W>);
+            let pulling =
+                room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<RigidRow<Rotor<W>>, W>);
             if let Some(stirring) = &self.stirring {
                 let answer = &mut |question: Question<'_, W>, changes: &mut [Three<W>]| {
                     if const { Y::FLOWS > 0 } {
@@ -197,7 +177,7 @@ where
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
         let (Part { h, unit, lead, .. }, before) =
             (self.method.parts[self.part], self.guesses[self.part].before);
-        let (system, moments) = (self.system(lane), self.inertia.lane(lane).map(|x| x.0));
+        let (system, moments) = (self.system(lane), self.laws.inertia.lane(lane).map(|x| x.0));
         let mut ahead = system.bodies(bodies, 0.0);
         let mut holds = system.settle(lead, h, &mut ahead, &mut ()).is_ok();
         for (rotor, Body { q, q_low, p, p_low }) in self.bodies.iter_mut().zip(ahead.all()) {
@@ -227,21 +207,15 @@ where
     }
 
     fn obey(&mut self, from: usize, to: usize) {
-        self.system[to] = self.system[from];
-        let moments = self.inertia.lane(from);
-        self.inertia.put(to, &moments);
-        if let Some(pulls) = &mut self.pulls {
-            pulls.copy(from, to);
-        }
+        self.laws.copy(from, to);
         if let Some(stirring) = &mut self.stirring {
             stirring.copy(from, to);
         }
     }
 
     fn obey_as_in(&mut self, engine: &dyn Engine<D>) {
-        if let Some(Self { system, inertia, pulls, stirring, .. }) = (engine as &dyn Any).downcast_ref() {
-            (self.system, self.inertia, self.stirring) = (*system, *inertia, stirring.clone());
-            self.pulls = pulls.as_ref().map(|pulls| pulls.boxed());
+        if let Some(Self { laws, stirring, .. }) = (engine as &dyn Any).downcast_ref() {
+            (self.laws, self.stirring) = (laws.clone(), stirring.clone());
         }
     }
 
@@ -298,7 +272,7 @@ where
     }
 
     fn kick_alone(&self, steps: u32) {
-        let Some(pulls) = &self.pulls else { return };
+        let Some(pulls) = &self.laws.pulls else { return };
         let mut pulling = pulls.begin();
         let mut kicks = vec![[zeros(); 3]; self.bodies.len()];
         for _ in 0..steps * self.method.parts.len() as u32 {
@@ -312,9 +286,7 @@ where
     }
 
     fn record(&self, to: &mut Record) {
-        let mut bodies = self.bodies.clone();
-        let rows: Vec<_> = bodies.iter_mut().flat_map(Rotor::rows).map(|row| row.0.map(|x| x.0)).collect();
-        to.numbers("numbers", &[rows.len(), W], rows.into_iter().flatten());
+        write_all(self.bodies.clone().iter_mut().flat_map(Rotor::rows).map(|row| &*row), to);
         to.counts("part", [self.part as u64]);
         if const { Y::FLOWS > 0 } {
             to.list("work", &self.work);
@@ -323,12 +295,7 @@ where
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
         let mut again = self.clone();
-        let number = again.bodies.iter_mut().flat_map(Rotor::rows).count();
-        let numbers = from.numbers("numbers", &[number, W])?;
-        let rows = again.bodies.iter_mut().flat_map(Rotor::rows);
-        for (to, from) in rows.zip(numbers.as_chunks().0) {
-            *to = Lanes(from.map(Fused));
-        }
+        read_all(again.bodies.iter_mut().flat_map(Rotor::rows), from)?;
         let [part] = from.counted("part")?;
         again.part = part as usize % self.method.parts.len();
         if const { Y::FLOWS > 0 } {
@@ -350,7 +317,7 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> Obeying<D> for RigidLane
     type System = Y;
 
     fn system(&self, lane: usize) -> &Y {
-        &self.systems[self.system[lane]]
+        self.laws.system(lane)
     }
 
     fn step_size(&self) -> f64 {

@@ -21,6 +21,7 @@ use crate::systems::rigid::rotation::{
     Inverse, LEFT, Moments, deviation, product, share, too_fast, turn, turning,
 };
 use std::array::from_fn;
+use std::marker::PhantomData;
 
 /// A first correction of x of more than this is no step of Newton's method from near by.
 const FAR: f64 = 1.0 / 64.0;
@@ -108,16 +109,35 @@ const RESTS: u64 = 0;
 const GOES: u64 = 1;
 const APART: u64 = 2;
 
-/// Rows of rigid bodies.
-pub(super) struct RigidRow;
+/// A rigid body in each of W lanes, which has an attitude.
+pub(super) trait Attitude<const W: usize>: Send + Sync + 'static {
+    fn attitude(&self) -> &Nine<W>;
+}
 
-impl<const W: usize> Rows<W> for RigidRow {
+impl<const W: usize> Attitude<W> for Rotor<W> {
+    #[inline(always)]
+    fn attitude(&self) -> &Nine<W> {
+        &self.q
+    }
+}
+
+impl<const W: usize> Attitude<W> for Nine<W> {
+    #[inline(always)]
+    fn attitude(&self) -> &Nine<W> {
+        self
+    }
+}
+
+/// Rows of rigid bodies B.
+pub(super) struct RigidRow<B>(PhantomData<B>);
+
+impl<B: Attitude<W>, const W: usize> Rows<W> for RigidRow<B> {
     /// The bodies, and where so many times the torques, in the frames of the bodies, are written.
-    type Bodies<'a> = (&'a [Rotor<W>], &'a mut [Three<W>]);
+    type Bodies<'a> = (&'a [B], &'a mut [Three<W>]);
 }
 
 /// D is 9.
-impl<const D: usize, const W: usize> Pulled<D, W> for RigidRow {
+impl<B: Attitude<W>, const D: usize, const W: usize> Pulled<D, W> for RigidRow<B> {
     type Times = Number;
     type To = Three<W>;
 
@@ -129,7 +149,7 @@ impl<const D: usize, const W: usize> Pulled<D, W> for RigidRow {
         bodies
             .iter()
             .zip(&mut **to)
-            .filter_map(move |(rotor, to)| Some((Fused(times), rotor.q.first_chunk()?, to)))
+            .filter_map(move |(body, to)| Some((Fused(times), body.attitude().first_chunk()?, to)))
     }
 
     #[inline(always)]
@@ -186,7 +206,7 @@ pub(super) struct Course<'a, const W: usize> {
 /// Some steps of a row, after so many.
 pub(super) struct Steps<'a, 'b, const W: usize> {
     pub(super) course: Course<'a, W>,
-    pub(super) pulling: Option<&'a mut (dyn Pulling<RigidRow, W> + 'b)>,
+    pub(super) pulling: Option<&'a mut (dyn Pulling<RigidRow<Rotor<W>>, W> + 'b)>,
     pub(super) bodies: &'a mut [Rotor<W>],
     /// Room for torques.
     pub(super) kicks: &'a mut [Three<W>],
@@ -242,7 +262,7 @@ impl<'a, const W: usize> Row<'a, W> {
         now: u64,
         bodies: &mut [Rotor<W>],
         kicks: &mut [Three<W>],
-        pulling: &mut Option<&mut (dyn Pulling<RigidRow, W> + 'b)>,
+        pulling: &mut Option<&mut (dyn Pulling<RigidRow<Rotor<W>>, W> + 'b)>,
     ) -> Result<(), Stuck> {
         let Self { course: Course { parts, guesses, equal, sums, set, .. }, inertia, scratch } = self;
         let part = &parts[number];

@@ -195,7 +195,7 @@ pub(super) struct StirredSteps<'a, 'b, const W: usize> {
     pub(super) stirring: &'a RotorStirring<W>,
     /// The kick that follows the half of flows before a step.
     pub(super) kick: f64,
-    pub(super) pulling: Option<&'a mut (dyn Pulling<RigidRow, W> + 'b)>,
+    pub(super) pulling: Option<&'a mut (dyn Pulling<RigidRow<Rotor<W>>, W> + 'b)>,
     pub(super) answer: &'a mut Answer<'b, W>,
     pub(super) bodies: &'a mut [Rotor<W>],
     /// Room for torques, and for what flows change.

@@ -3,9 +3,8 @@
 use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
 use crate::run::ensemble::apart::{Plan, act_in_lanes};
-use crate::run::ensemble::grouping::{
-    Alike, Different, Groups, HowInLanes, InRows, TurnedAlike, TurnedApart, linked, linked_apart, rigid,
-};
+use crate::run::ensemble::grouping::{Alike, Different, Groups, HowInLanes, InRows};
+use crate::run::ensemble::grouping_rows::{TurnedAlike, TurnedApart, linked, linked_apart, rigid};
 use crate::run::ensemble::precision::{Double, Precision};
 use crate::run::ensemble::side_by_side::STRETCH;
 use crate::run::ensemble::watching::{AnyObserver, Watching};
@@ -81,11 +80,11 @@ impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Scene<C, E, 
     }
 }
 
-/// Whether constraints are of a kind that the method moves in rows: a splitting, one that draws momenta anew, or on
-/// links one whose steps are projected. Asked where a constant is
-/// wanted: what is not asked for is then not compiled.
+/// Whether constraints are of a kind that the method moves in rows: a splitting, one that draws momenta anew, or, of
+/// linked and rigid bodies, [`Dop853`](crate::methods::dop853::Dop853). Asked where a constant is wanted: what is not
+/// asked for is then not compiled.
 const fn goes_as<C: Hold<D>, S: Method, const D: usize>(kind: Kind) -> bool {
-    let projects = matches!((kind, S::PROJECTS), (Kind::Network, Projecting::Dop853));
+    let projects = matches!((kind, S::PROJECTS), (Kind::Network | Kind::Rigid, Projecting::Dop853));
     C::KIND as u8 == kind as u8 && (!matches!(S::SPLITTING, Splitting::Not) || S::RENEWS || projects)
 }
 

@@ -23,8 +23,6 @@ use nalgebra::{Matrix3, Vector3};
 
 /// What messages call such a system.
 pub(crate) const REDUCED: &str = "a rigid body reduced to three unknowns";
-/// QᵀQ off from 1 by more than this is brought back: well above the rounding of the product.
-pub(crate) const CROOKED: f64 = 1e-14;
 
 /// A rigid body with these moments of inertia that turns about its centre of mass; with
 /// [`bodies`](crate::scene::Scene::bodies) several equal ones, with effects on each or

@@ -27,9 +27,12 @@ const HALVINGS: i32 = 40;
 /// The part of a rounding that may be left of x.
 pub(crate) const LEFT: f64 = f64::EPSILON / 16.0;
 
+/// QᵀQ off from 1 by more than this is brought back: well above the rounding of the product.
+pub(crate) const CROOKED: f64 = 1e-14;
+
 /// a × b.
 #[inline(always)]
-pub(super) fn cross<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
+pub(crate) fn cross<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
     let component = |i: usize, j: usize| a[i].multiply_add(b[j], -(a[j] * b[i]));
     [component(1, 2), component(2, 0), component(0, 1)]
 }
@@ -164,7 +167,7 @@ impl<T: Scalar> Moments<T> {
 
     /// xⱼxₗ.
     #[inline(always)]
-    fn others(x: &[T; 3]) -> [T; 3] {
+    pub(crate) fn others(x: &[T; 3]) -> [T; 3] {
         [x[1] * x[2], x[2] * x[0], x[0] * x[1]]
     }
 
@@ -184,6 +187,19 @@ impl<T: Scalar> Moments<T> {
             let r = bend[i].multiply_add(others[i], (-square).multiply_add(v[i], u[i]));
             low[i].multiply_add(others[i], r)
         })
+    }
+
+    /// Ω.
+    #[inline(always)]
+    pub(crate) fn rate(&self, m: &[T; 3]) -> [T; 3] {
+        from_fn(|i| T::from_f64(2.0) * self.over[i] * m[i])
+    }
+
+    /// m × Ω from the other two of Ω multiplied, times Jⱼ − Jₗ: a body that is symmetric about an axis keeps the
+    /// momentum about it.
+    #[inline(always)]
+    pub(crate) fn gyration(&self, others: &[T; 3]) -> [T; 3] {
+        from_fn(|i| T::from_f64(-0.5) * self.push[0][i] * others[i])
     }
 
     /// s xⱼxₗ: times the push it is h times what the step takes from m.

@@ -12,8 +12,8 @@ use crate::systems::rigid::kept::{BodiesOf, Turning};
 use crate::systems::rigid::room::SeriesRoom;
 use std::array::from_fn;
 
-/// Seven cross products of six products each.
-const BLOCKS: usize = blocks(7 * 6);
+/// Six cross products of six products each, and the three of two components of Ω.
+const BLOCKS: usize = blocks(6 * 6 + 3);
 
 impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
     /// Room for so many coefficients of functions that all have series.
@@ -60,11 +60,13 @@ impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
             };
             let row = |matrix: &[f64; 9], i: usize| -> [f64; 3] { from_fn(|j| matrix[3 * i + j]) };
             let (q, moment) = (series[k * n + body], m[k * n + body]);
-            let rate = from_fn(|i| moment[i] / self.body.inertia[i]);
+            let rate = self.moments.rate(&moment);
             let turned: [[f64; 3]; 3] = from_fn(|i| cross(6 * i, row(&q, i), rate));
-            let mut change = cross(18, moment, rate);
-            for i in 0..3 {
-                change = add_scaled(&change, -1.0, &cross(24 + 6 * i, row(&q, i), row(&force[body], i)));
+            let torques: [[f64; 3]; 3] = from_fn(|i| cross(18 + 6 * i, row(&q, i), row(&force[body], i)));
+            let others = from_fn(|i| own.product(36 + i, rate[(i + 1) % 3], rate[(i + 2) % 3]));
+            let mut change = self.moments.gyration(&others);
+            for torque in &torques {
+                change = add_scaled(&change, -1.0, torque);
             }
             series[(k + 1) * n + body] = from_fn(|entry| share * turned[entry / 3][entry % 3]);
             m[(k + 1) * n + body] = scaled(share, &change);

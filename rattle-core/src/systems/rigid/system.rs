@@ -18,7 +18,6 @@ use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, largest, scaled, sum};
 use crate::solve::nearing::Nearing;
-use crate::systems::rigid::body::CROOKED;
 use crate::systems::rigid::body::REDUCED;
 use crate::systems::rigid::body::Rigid;
 use crate::systems::rigid::body::spread;
@@ -28,7 +27,7 @@ use crate::systems::rigid::kept::Kept;
 use crate::systems::rigid::kept::Place;
 use crate::systems::rigid::kept::Turning;
 use crate::systems::rigid::rotation::{
-    Moments, deviation, one_over, product, share, too_fast, turn, turning,
+    CROOKED, Moments, deviation, one_over, product, share, too_fast, turn, turning,
 };
 use nalgebra::Vector3;
 use std::array::from_fn;
@@ -197,10 +196,11 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         for (number, (a, force)) in accelerations.iter_mut().zip(&forces).enumerate() {
             let attitude = Rigid::attitude(&at.positions[number]);
             let torque = turning_part(&attitude, &Rigid::attitude(&force.components()));
-            let m = Vector3::from_row_slice(&bodies.p.as_ref()[number][..3]);
-            let rate = m.component_div(&self.body.inertia);
-            let change = (m.cross(&rate) + torque).component_div(&self.body.inertia);
-            let cross = rate.cross_matrix();
+            let m = &bodies.p.as_ref()[number];
+            let rate = self.moments.rate(&[m[0], m[1], m[2]]);
+            let pushed = Vector3::from(self.moments.gyration(&Moments::others(&rate))) + torque;
+            let (cross, change) =
+                (Vector3::from(rate).cross_matrix(), pushed.component_div(&self.body.inertia));
             *a = Rigid::coordinates(&(attitude * (cross * cross + change.cross_matrix())));
         }
         Ok(())
@@ -215,9 +215,10 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
         _: &mut W,
     ) -> f64 {
         for (number, rate) in rates.iter_mut().enumerate() {
-            let m = Vector3::from_row_slice(&bodies.p.as_ref()[number][..3]);
-            let torque = Vector3::from(bodies.kept.torque[number]);
-            *rate = spread(&(m.cross(&m.component_div(&self.body.inertia)) + torque));
+            let m = &bodies.p.as_ref()[number];
+            let spin = self.moments.rate(&[m[0], m[1], m[2]]);
+            let change = self.moments.gyration(&Moments::others(&spin));
+            *rate = spread(&sum(&change, &bodies.kept.torque[number]).into());
         }
         bodies.power
     }

@@ -1,0 +1,115 @@
+//! DOP853 of rigid bodies in lanes beyond agreement with simulations, which `lanes_rigid` tests: its order, rotations
+//! and energies, sweeps, and failures.
+
+use crate::lanes_projected::{fast, who_end};
+use crate::lanes_rigid::{Field, start};
+use rattle::ensemble::InstructionSet;
+use rattle::nalgebra::{Matrix3, Vector3};
+use rattle::prelude::*;
+
+const MOMENTS: [f64; 3] = [0.6, 0.8, 1.0];
+
+fn scene() -> Scene<Rigid, impl rattle::effect::list::Effects<9>, rattle::bodies::One, 9> {
+    Scene::rigid(Rigid::new(MOMENTS)).with(Field { weight: 1.0, pull: 0.5 })
+}
+
+/// The energy, the angular momentum in space, and how far the attitude is off a rotation, of a body that is free or in
+/// [the scene](scene).
+fn measured(state: &State<9>, free: bool) -> (f64, Vector3<f64>, f64) {
+    let q = Matrix3::from_row_slice(state.positions().next().unwrap().as_slice());
+    let m = Vector3::from_iterator(state.momenta().next().unwrap().iter().copied().take(3));
+    let kinetic = 0.5 * m.component_div(&Vector3::from(MOMENTS)).dot(&m);
+    let potential = q[(2, 2)] + 0.5 * (q[(0, 1)].powi(2) + q[(1, 0)] / 3.0);
+    let crooked = (Matrix3::identity() - q.transpose() * q).amax();
+    (kinetic + if free { 0.0 } else { potential }, q * m, crooked)
+}
+
+/// Halved steps leave 2⁻⁸ of the error; the reference is Taylor's method with a tolerance.
+#[test]
+fn of_order_eight() {
+    let mut exact = scene().simulate(start(1, MOMENTS, 1.0), Taylor::adaptive(20, 0.25, 1e-16)).unwrap();
+    exact.run(8).unwrap();
+    let [one, two] = [8_u32, 16].map(|steps| {
+        let starts = (0..9).map(|_| start(1, MOMENTS, 1.0));
+        let mut ensemble = scene().ensemble(starts, Dop853::new(2.0 / f64::from(steps))).unwrap();
+        ensemble.run(steps.into());
+        let off = |state: State<9>| (state.positions().next().unwrap() - exact.position()).norm();
+        ensemble.states().map(off).fold(0.0, f64::max)
+    });
+    let order = (one / two).log2();
+    println!("{one:e} {two:e}: {order}");
+    assert!((order - 8.0).abs() < 1.0, "{order}");
+}
+
+/// Attitudes are rotations to rounding, the energy is kept as the tolerance says, and so is the angular momentum of a
+/// free body, which the method does not know of.
+#[test]
+fn rotations_to_rounding_and_energies_to_the_tolerance() {
+    fn lost<E: rattle::effect::Effects<9>>(
+        scene: &Scene<Rigid, E, rattle::bodies::One, 9>,
+        free: bool,
+    ) -> [f64; 3] {
+        let starts = (0..80).map(|i| start(i, MOMENTS, 1.0));
+        let mut ensemble = scene.ensemble(starts, Dop853::adaptive(0.5, 1e-11)).unwrap();
+        let fuses = InstructionSet::widest().fuses();
+        assert_eq!(ensemble.plan().in_lanes, if fuses { 80 } else { 0 });
+        let first: Vec<_> = ensemble.states().map(|state| measured(&state, free)).collect();
+        ensemble.run(40);
+        assert_eq!(ensemble.failures().count(), 0);
+        let mut most = [0.0_f64; 3];
+        for (state, (energy, momentum, _)) in ensemble.states().zip(first) {
+            let (now, turned, crooked) = measured(&state, free);
+            let found = [(now - energy).abs(), (turned - momentum).norm(), crooked];
+            most.iter_mut().zip(found).for_each(|(most, found)| *most = most.max(found));
+        }
+        most
+    }
+    let free = lost(&Scene::rigid(Rigid::new(MOMENTS)), true);
+    let heavy = lost(&scene(), false);
+    println!("{free:?} {heavy:?}");
+    // 20 units of time, some 200 inner steps each of which is off by no more than 1e-11; 1e-14 is where attitudes are
+    // brought back.
+    assert!(free.iter().zip([1e-9, 1e-9, 1e-14]).all(|(found, bound)| *found < bound), "{free:?}");
+    assert!(heavy[0] < 1e-9 && heavy[2] < 1e-14 && heavy[1] > 1e-3, "{heavy:?}");
+}
+
+/// Each trajectory has moments of inertia and a weight of its own, and is as in an ensemble of its own scene.
+#[test]
+fn sweeps() {
+    let scenes: Vec<_> = (0..70)
+        .map(|i| {
+            let share = f64::from(i) / 70.0;
+            Scene::rigid(Rigid::new([0.6 + share, 0.8, 1.0])).with(Field { weight: 1.0 + share, pull: 0.5 })
+        })
+        .collect();
+    for method in [Dop853::new(0.1), Dop853::adaptive(0.5, 1e-10)] {
+        let each = scenes.iter().enumerate().map(|(i, scene)| (scene, start(i as u32, MOMENTS, 1.0)));
+        let mut sweep = Ensemble::sweep(Double, each, method).unwrap();
+        sweep.run(5);
+        assert_eq!(sweep.plan().in_lanes, if InstructionSet::widest().fuses() { 70 } else { 0 });
+        for (i, scene) in scenes.iter().enumerate().step_by(9) {
+            let mut own = scene.ensemble([start(i as u32, MOMENTS, 1.0)], method).unwrap();
+            own.run(5);
+            assert_eq!(format!("{:?}", own.state(0)), format!("{:?}", sweep.state(i)), "trajectory {i}");
+        }
+    }
+}
+
+/// Trajectories too fast for their steps end, as they do alone, and [the others](who_end) go on.
+#[test]
+fn who_fails_touches_no_one_else() {
+    fn check(method: Dop853, some_end: bool) {
+        let start = |i: u32| start(i, MOMENTS, if fast(i) { 100.0 } else { 1.0 });
+        let ended = who_end(70, |numbers, set| {
+            Ensemble::of(Double, &scene(), numbers.iter().map(|&i| start(i)), method, set).unwrap()
+        });
+        assert!(!some_end || !ended.is_empty());
+        for (i, found) in ended {
+            let mut alone = scene().simulate(start(i as u32), method).unwrap();
+            let error = alone.run(60).unwrap_err();
+            assert_eq!(found.to_string(), error.to_string(), "trajectory {i}");
+        }
+    }
+    check(Dop853::new(0.1), true);
+    check(Dop853::adaptive(0.1, 1e-9), false);
+}
