@@ -157,6 +157,14 @@ pub trait System<T: Scalar, const D: usize>: Affected<T, D> + Guarded<T, D> + Me
         debug_assert!(told.is_ok() || self.equations() == 0, "{} has equations", self.kind());
     }
 
+    /// Writes ṗ of each body, from the present state alone; without [flows](crate::effect::Flow).
+    ///
+    /// # Errors
+    /// Where it is not known: the kind of system, as messages call it.
+    fn pushes(&self, bodies: &BodiesOf<Self, T, D>, pushes: &mut [[T; D]]) -> Result<(), &'static str> {
+        rates_at(self, bodies, pushes, &mut ()).map(drop)
+    }
+
     /// Writes q̈ = M⁻¹ṗ of each body, from the present state alone.
     ///
     /// # Errors

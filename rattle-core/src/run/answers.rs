@@ -85,6 +85,20 @@ pub(in crate::run) fn constraints<Y: System<f64, D>, const D: usize>(
     (multipliers(system, bodies), constraint_forces(system, bodies))
 }
 
+/// q̇ and ṗ of each body; ṗ is 0 where it is not known.
+pub(in crate::run) fn rates<Y: System<f64, D>, const D: usize>(
+    system: &Y,
+    bodies: &BodiesOf<Y, f64, D>,
+) -> [Vec<SVector<f64, D>>; 2] {
+    let n = bodies.q.as_ref().len();
+    let (mut pushes, velocities) =
+        (vec![[0.0; D]; n], (0..n).map(|body| system.velocity(bodies, body).into()));
+    if system.pushes(bodies, &mut pushes).is_err() {
+        pushes.fill([0.0; D]);
+    }
+    [velocities.collect(), pushes.into_iter().map(Into::into).collect()]
+}
+
 /// kT: twice the kinetic energy, without that which moving constraints impose, by the number of independent momenta;
 /// NaN where there are no masses.
 pub(in crate::run) fn temperature<Y: System<f64, D>, const D: usize>(
@@ -148,6 +162,11 @@ impl<X: Obeying<D>, const D: usize> Source<D> for X {
     fn constraints(&self, trajectory: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
         let system = self.system(trajectory);
         constraints(system, &as_shown(system, sight))
+    }
+
+    fn rates(&self, trajectory: usize, sight: &Sight<'_, D>) -> [Vec<SVector<f64, D>>; 2] {
+        let system = self.system(trajectory);
+        rates(system, &as_shown(system, sight))
     }
 
     fn effect_energies(&self, trajectory: usize, sight: &Sight<'_, D>) -> Vec<f64> {

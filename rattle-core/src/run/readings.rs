@@ -308,6 +308,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S
         self.answer(sight, answers::constraints)
     }
 
+    fn rates(&self, _: usize, sight: &Sight<'_, D>) -> [Vec<SVector<f64, D>>; 2] {
+        self.answer(sight, answers::rates)
+    }
+
     fn effect_energies(&self, _: usize, sight: &Sight<'_, D>) -> Vec<f64> {
         self.answer(sight, answers::effect_energies)
     }

@@ -9,7 +9,7 @@ use crate::motion::bodies::Body;
 use crate::motion::record::Hallmark;
 use crate::number::instructions::Work;
 use crate::number::lanes::Lane;
-use crate::number::vector::dot;
+use crate::number::vector::{dot, scaled, sum};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::laws::Laws;
 use crate::run::fingerprint::{beside, of_effect};
@@ -96,12 +96,13 @@ pub(super) fn residual<S: Lane, const D: usize>(
     g.to_f64()
 }
 
-/// Multipliers and constraint forces of a body that obeys what a lane does, where, when and as this sight shows it.
-pub(super) fn constraints<S: Lane, const D: usize>(
+/// The multiplier, the force of the constraint, and that of effects, on a body that obeys what a lane does, where, when
+/// and as this sight shows it.
+fn forces_there<S: Lane, const D: usize>(
     laws: &impl Laws<S, D>,
     lane: usize,
     sight: &Sight<'_, D>,
-) -> (Vec<f64>, Vec<SVector<f64, D>>) {
+) -> (S, [[S; D]; 2]) {
     let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
     let (q, p): ([S; D], [S; D]) = (own(sight.position()), own(sight.momentum()));
     let ([gradient], [bend]) = (constraint.borrow().jacobian(&q), constraint.borrow().jet(&q, &p).2);
@@ -109,7 +110,27 @@ pub(super) fn constraints<S: Lane, const D: usize>(
     let (at, effects) = (Moment { time: sight.time, positions: &[q] }, effects.borrow());
     effects.evaluate(at, &mut effects.room(1), &mut force);
     let lambda = multiplier_from_curvature(bend, force[0].dot(&gradient, S::from_f64(1.0)), &normal);
-    (vec![lambda.to_f64()], vec![gradient.map(|n| (lambda * n).to_f64()).into()])
+    (lambda, [scaled(lambda, &gradient), force[0].components()])
+}
+
+/// The multiplier and the force of the constraint there.
+pub(super) fn constraints<S: Lane, const D: usize>(
+    laws: &impl Laws<S, D>,
+    lane: usize,
+    sight: &Sight<'_, D>,
+) -> (Vec<f64>, Vec<SVector<f64, D>>) {
+    let (lambda, [constraint, _]) = forces_there(laws, lane, sight);
+    (vec![lambda.to_f64()], vec![constraint.map(|x| x.to_f64()).into()])
+}
+
+/// q̇ and ṗ there.
+pub(super) fn rates<S: Lane, const D: usize>(
+    laws: &impl Laws<S, D>,
+    lane: usize,
+    sight: &Sight<'_, D>,
+) -> [Vec<SVector<f64, D>>; 2] {
+    let (_, [constraint, force]) = forces_there(laws, lane, sight);
+    [vec![sight.momentum()], vec![sum(&constraint, &force).map(|x| x.to_f64()).into()]]
 }
 
 /// |p|².
@@ -149,6 +170,14 @@ macro_rules! answered_by_laws {
                 sight: &$crate::run::watch::Sight<'_, D>,
             ) -> (Vec<f64>, Vec<nalgebra::SVector<f64, D>>) {
                 $crate::run::ensemble::asked::constraints(&self.laws, lane, sight)
+            }
+
+            fn rates(
+                &self,
+                lane: usize,
+                sight: &$crate::run::watch::Sight<'_, D>,
+            ) -> [Vec<nalgebra::SVector<f64, D>>; 2] {
+                $crate::run::ensemble::asked::rates(&self.laws, lane, sight)
             }
 
             fn effect_energies(&self, lane: usize, sight: &$crate::run::watch::Sight<'_, D>) -> Vec<f64> {

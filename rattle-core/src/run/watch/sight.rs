@@ -10,6 +10,8 @@ pub trait Source<const D: usize> {
     fn energies(&self, trajectory: usize, sight: &Sight<'_, D>) -> [f64; 2];
     /// λ of each equation, and Gᵀλ on each body.
     fn constraints(&self, trajectory: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>);
+    /// q̇ and ṗ of each body, without flows.
+    fn rates(&self, trajectory: usize, sight: &Sight<'_, D>) -> [Vec<SVector<f64, D>>; 2];
     /// U of each effect that is not a flow, in the order of the scene.
     fn effect_energies(&self, trajectory: usize, sight: &Sight<'_, D>) -> Vec<f64>;
     /// g of each equation.
@@ -83,6 +85,14 @@ impl<const D: usize> Sight<'_, D> {
         kinetic + potential
     }
 
+    /// The velocity q̇ of each body: M⁻¹p; of a rigid body the rate of its attitude, in phase space that of H with its
+    /// multipliers. A call allocates.
+    #[must_use]
+    pub fn velocities(&self) -> Vec<SVector<f64, D>> {
+        let [velocities, _] = self.rates();
+        velocities
+    }
+
     /// U of each effect in the order of the scene, without [flows](crate::effect::Flow), which have none. A call
     /// allocates.
     #[must_use]
@@ -138,6 +148,11 @@ impl<const D: usize> Sight<'_, D> {
     pub(crate) fn mass_product(&self, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
         let (source, trajectory) = self.source;
         source.mass_product(trajectory, body, a, b)
+    }
+
+    pub(crate) fn rates(&self) -> [Vec<SVector<f64, D>>; 2] {
+        let (source, trajectory) = self.source;
+        source.rates(trajectory, self)
     }
 
     fn energies(&self) -> [f64; 2] {

@@ -232,6 +232,13 @@ where
         Ok(())
     }
 
+    fn pushes(&self, bodies: &BodiesOf<N, D, M>, pushes: &mut [[f64; D]]) -> Result<(), &'static str> {
+        for (number, push) in pushes.iter_mut().enumerate() {
+            *push = self.flow(&Point::high(&bodies.body(number))).p;
+        }
+        Ok(())
+    }
+
     fn multipliers(&self, bodies: &BodiesOf<N, D, M>, multipliers: &mut [f64]) {
         for (multipliers, number) in multipliers.chunks_exact_mut(M).zip(0..) {
             let found = self.hidden(&Point::high(&bodies.body(number))).multipliers();
