@@ -271,3 +271,60 @@ fn gradients_whose_squares_are_no_numbers_are_told() {
         }
     }
 }
+
+pair_potential! {
+    /// A bond that breaks at r₀ (FENE).
+    struct Fene { k, r0 }
+    |r| -k * r0^2 / 2 * ln(1 - (r / r0)^2)
+}
+
+/// Where a potential is no number, its force is none, though the formula of its slope has a value there: nobody passes.
+#[test]
+fn no_one_goes_where_a_potential_is_no_number() {
+    let bond = Scene::points::<3>(2).with(Fene { k: 30.0, r0: 1.5 });
+    let start = || State::of([[0.0; 3], [1.0, 0.0, 0.0]]).with_momenta([[-9.0, 0.0, 0.0], [9.0, 0.0, 0.0]]);
+    fn refused(error: Option<rattle::Error>, method: &str) {
+        let error = error.map(|error| error.to_string()).unwrap_or_default();
+        println!("{method}: {error}");
+        assert!(error.contains("Fene"), "{method}: {error}");
+    }
+    fn breaks<S: Method>(
+        bond: &Scene<rattle::network::Network<3>, impl rattle::effect::Effects<3>, rattle::bodies::Many, 3>,
+        start: State<3>,
+        method: S,
+    ) -> bool {
+        let mut simulation = bond.simulate(start, method).unwrap();
+        let broken = simulation.run(100).is_err();
+        let [a, b] = [0, 1].map(|body| simulation.positions().nth(body).unwrap());
+        let bound = (a - b).norm() < 1.5 && simulation.energy().is_finite();
+        assert!(broken || bound, "{}", simulation.method().name());
+        broken
+    }
+    for h in [0.02, 0.05] {
+        refused(bond.simulate(start(), Rattle::new(h)).unwrap().run(100).err(), "Rattle");
+        assert!(breaks(&bond, start(), PositionVerlet::new(h)));
+        assert_eq!(breaks(&bond, start(), Lobatto::<4>::new(h)), h > 0.02);
+        breaks(&bond, start(), Dop853::new(h));
+        let mut ensemble = bond.ensemble((0..9).map(|_| start()), Rattle::new(h)).unwrap();
+        ensemble.run(100);
+        assert_eq!(ensemble.failures().count(), 9);
+    }
+    macro_rules! each {
+        ($($name:ident: $potential:expr_2021, $beyond:literal;)*) => {$(
+            potential! { struct $name {} |x| $potential }
+            let scene = Scene::points::<1>(1).with($name {});
+            refused(scene.simulate(State::at([$beyond]), Rattle::new(0.1)).err(), stringify!($name));
+        )*};
+    }
+    each! {
+        FeneLn: ln(x), -0.5;
+        FeneLog10: log10(x), -0.5;
+        FeneLog2: log2(x), -0.5;
+        FeneAtanh: atanh(x), 1.5;
+        FeneAcosh: acosh(x), -1.5;
+        FeneAsin: asin(x), 1.5;
+        FeneAcos: acos(x), -1.5;
+        FeneSqrt: sqrt(x), -0.5;
+        FenePower: x^2.5, -0.5;
+    }
+}

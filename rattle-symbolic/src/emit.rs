@@ -355,8 +355,11 @@ fn field(i: usize) -> Ident {
     format_ident!("p{i}", span = Span::call_site())
 }
 
-/// The literal; numbers in graphs are finite.
+/// The literal; numbers in graphs are finite, or none.
 fn number(x: f64) -> TokenStream {
+    if x.is_nan() {
+        return quote!(::core::primitive::f64::NAN);
+    }
     let size = Literal::f64_suffixed(x.abs());
     if x.is_sign_negative() { quote!(-#size) } else { quote!(#size) }
 }

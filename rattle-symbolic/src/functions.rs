@@ -21,9 +21,9 @@ macro_rules! functions_of_one {
             Sqrt  "sqrt",  f64::sqrt,  1,  |g, _, f| g.guarded_reciprocal(f).times(0.5);
             Cbrt  "cbrt",  f64::cbrt,  2,  |g, _, f| { let d = g.power(f, 4); g.guarded_reciprocal(d).times(THIRD) };
             Exp   "exp",   f64::exp,   1,  |_, _, f| f.into();
-            Ln    "ln",    f64::ln,    1,  |g, x, _| g.reciprocal(x);
-            Log10 "log10", f64::log10, 1,  |g, x, _| g.reciprocal(x).times(LOG10_E);
-            Log2  "log2",  f64::log2,  1,  |g, x, _| g.reciprocal(x).times(LOG2_E);
+            Ln    "ln",    f64::ln,    1,  |g, x, _| g.slope_of_logarithm(x);
+            Log10 "log10", f64::log10, 1,  |g, x, _| g.slope_of_logarithm(x).times(LOG10_E);
+            Log2  "log2",  f64::log2,  1,  |g, x, _| g.slope_of_logarithm(x).times(LOG2_E);
             Sin   "sin",   f64::sin,   2,  |g, x, _| g.call(Function::Cos, x).into();
             Cos   "cos",   f64::cos,   2,  |g, x, _| Scaled::from(g.call(Function::Sin, x)).times(-1.0);
             Tan   "tan",   f64::tan,   2,  |g, _, f| g.shifted_square(1.0, f, 1.0);
@@ -34,8 +34,8 @@ macro_rules! functions_of_one {
             Cosh  "cosh",  f64::cosh,  2,  |g, x, _| g.call(Function::Sinh, x).into();
             Tanh  "tanh",  f64::tanh,  2,  |g, _, f| g.one_minus_square(f);
             Asinh "asinh", f64::asinh, 3,  |g, x, _| g.reciprocal_root(|g, x| g.shifted_square(1.0, x, 1.0), x);
-            Acosh "acosh", f64::acosh, 3,  |g, x, _| g.reciprocal_root(Graph::square_minus_one, x);
-            Atanh "atanh", f64::atanh, 2,  |g, x, _| { let d = g.one_minus_square(x); g.reciprocal_of(d) };
+            Acosh "acosh", f64::acosh, 3,  |g, x, _| { let d = g.reciprocal_root(Graph::square_minus_one, x); g.unless_negative(x, d) };
+            Atanh "atanh", f64::atanh, 2,  |g, x, _| g.reciprocal_within_one(x);
             Abs   "abs",   f64::abs,   1,  |g, x, _| g.signum(x);
             Sign  "sign",  sign,       1,  |_, _, _| Scaled::ZERO;
             Floor "floor", f64::floor, 1,  |_, _, _| Scaled::ZERO;

@@ -51,6 +51,23 @@ impl Graph {
         let x = self.node_of(x);
         self.reciprocal(x)
     }
+    /// `slope`, and no number where x < 0 and the function is none: its slope is, and would hide that.
+    fn unless_negative(&mut self, x: Id, slope: Scaled) -> Scaled {
+        let (slope, zero, none) = (self.node_of(slope), self.constant(0.0), self.constant(f64::NAN));
+        self.select(Comparison::Less, x, zero, none, slope).into()
+    }
+    /// 1/x where the logarithm is a number.
+    fn slope_of_logarithm(&mut self, x: Id) -> Scaled {
+        let slope = self.reciprocal(x);
+        self.unless_negative(x, slope)
+    }
+    /// 1/(1 − x²), and no number where x² > 1.
+    fn reciprocal_within_one(&mut self, x: Id) -> Scaled {
+        let inside = self.one_minus_square(x);
+        let inside = self.node_of(inside);
+        let slope = self.reciprocal(inside);
+        self.unless_negative(inside, slope)
+    }
     /// 1/√(of x)
     fn reciprocal_root(&mut self, of: fn(&mut Graph, Id) -> Scaled, x: Id) -> Scaled {
         let inside = of(self, x);
