@@ -156,3 +156,35 @@ fn stages_have_their_order() {
         assert!((order - expected).abs() < 0.6, "{order}, not {expected}"); // steps are far from vanishing
     }
 }
+
+constraint! {
+    /// An ellipsoid of axes 1, 1/2 and 1/5.
+    struct Ellipsoid {}
+    |x, y, z| x^2 + 4 * y^2 + 25 * z^2 - 1
+}
+
+/// Of starts from which a step is too long for the curvature, h·κ·|v| > 1, lanes refuse those that simulations refuse.
+#[test]
+fn too_long_a_first_step_is_refused() {
+    let scene = Scene::on(Ellipsoid {});
+    let starts: Vec<_> = (0..500_u32)
+        .filter_map(|i| {
+            let turn = |rate: f64, by: f64| (rate * f64::from(i) + by).sin();
+            let place = [turn(1.1, 0.3), 0.5 * turn(1.9, 1.0), 0.2 * turn(0.7, 0.1)];
+            scene.project(&State::at(place).moving([turn(1.7, 0.0), turn(2.3, 2.5), turn(0.7, 2.0)])).ok()
+        })
+        .collect();
+    let mut refused = 0;
+    for h in [0.05, 0.1] {
+        let mut ensemble = scene.ensemble(starts.iter().cloned(), Rattle::new(h)).unwrap();
+        ensemble.run(1);
+        for (i, start) in starts.iter().enumerate() {
+            let mut alone = scene.simulate(start.clone(), Rattle::new(h)).unwrap();
+            let error = alone.run(1).err();
+            refused += usize::from(error.is_some());
+            assert_eq!(ensemble.failure(i).is_some(), error.is_some(), "{i} by {h}: {error:?}");
+        }
+    }
+    println!("{refused} of {}", 2 * starts.len());
+    assert!(starts.len() > 400 && refused > 30, "{refused}");
+}

@@ -178,7 +178,7 @@ impl Part {
 
     /// Λ of a step that is guessed from g̈ alone, in a lane that is there and goes so: after one that was lost, and
     /// moved by itself. |∇g| may have changed by any factor there, and what is extrapolated from Λ before may lead to
-    /// any sheet. Also whether other sheets have come near.
+    /// any sheet. Also whether other sheets have come near, or the step is too long for the curvature.
     #[cold]
     #[inline(never)]
     pub(super) fn guess_anew<S: Lane, const D: usize>(
@@ -193,7 +193,10 @@ impl Part {
         let guess = -S::from_f64(0.5).multiply_add(bend, dot(&normal, &path)) / square;
         let pushed = laws.kick(lane, &q, self.push(), [S::default(); D]);
         let furthest = self.furthest(guess.abs(), &way, &pushed, &normal, square, 0.0);
-        (guess, !crowd::is_alone(constraint.borrow(), 0, [&q, &normal], square, furthest))
+        // As a simulation asks, h·κ·|v| ≤ 1.
+        let turns_little = (bend * bend).le(square * dot(&path, &path));
+        let alone = crowd::is_alone(constraint.borrow(), 0, [&q, &normal], square, furthest);
+        (guess, !(turns_little & alone))
     }
 
     /// What the kick before it makes of something, if there is one; this way or that.
@@ -263,7 +266,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         let [bend] = constraint.borrow().jet(&q[0], &ahead).2;
         let guess = S::from_f64(-0.5) * h * h * bend * normal.inverse_square;
         let (path, off) = (h * h * dot(&ahead, &ahead), guess * guess * dot(&gradient, &gradient));
-        let holds = off.le(S::from_f64(4.0) * path) && is_finite(path);
+        let holds = (S::from_f64(4.0) * off).le(path) && is_finite(path); // h·κ·|v| ≤ 1
         // Equal steps: as if one had led here, which would have left half of Λ in the way.
         let ahead = if EQUAL { add_scaled(&ahead, -guess / h, &gradient) } else { ahead };
         let guess = if EQUAL { guess + guess } else { guess };
