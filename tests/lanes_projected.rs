@@ -65,6 +65,35 @@ fn as_alone_but_for_rounding() {
     assert!(off(Single, Taylor::adaptive(9, 0.25, 1e-13), 2) < 1e-3);
 }
 
+potential! {
+    /// Its slope jumps at y = 0.
+    struct Edge {}
+    |_x, y, z| z + abs(y) / 3
+}
+
+/// A lane that meets another branch of a potential takes the step by itself, and ends behind it.
+#[test]
+fn branches_of_potentials_are_not_passed_over() {
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Edge {});
+    let starts: Vec<_> = (0..20)
+        .map(|i| {
+            let angle = 0.1 + 0.3 * f64::from(i);
+            State::at([angle.cos(), angle.sin(), 0.0]).moving([0.4 * angle.sin(), -0.4 * angle.cos(), 0.3])
+        })
+        .collect();
+    let method = Taylor::adaptive(12, 0.25, 1e-10);
+    let mut ensemble = scene.ensemble(starts.iter().cloned(), method).unwrap();
+    ensemble.run(40);
+    for (i, start) in starts.into_iter().enumerate() {
+        let mut alone = scene.simulate(start, method).unwrap();
+        alone.run(40).unwrap();
+        let off = (ensemble.state(i).positions().next().unwrap() - alone.position()).norm();
+        let lost = alone.energy_error().abs();
+        println!("{lost:e} {off:e}");
+        assert!(lost < 2e-8 && off < 2e-7, "{i}: {lost:e} {off:e}");
+    }
+}
+
 /// Halved steps leave 2⁻ⁿ of the error of a method of order n; the reference is a simulation with a tolerance, by the
 /// other method.
 #[test]

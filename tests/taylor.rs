@@ -220,3 +220,33 @@ fn a_kink_at_the_start_is_an_error() {
         assert!(distance(along.position(), [1.0, 1.0, 0.0]) <= 1e-15);
     }
 }
+
+potential! {
+    /// Its slope jumps at x = 0.
+    struct Groove {}
+    |x| abs(x) + x^2 / 2
+}
+
+/// Behind a change of branch the series is another one: the inner step ends right there, and the energy is kept as the
+/// tolerance says, where slopes jump as where they bend.
+#[test]
+fn branches_of_potentials_are_not_passed_over() {
+    let groove = Scene::points::<1>(1).with(Groove {});
+    let pair = Scene::points::<3>(2).with(rattle::potentials::Wca { epsilon: 1.0, sigma: 1.0 });
+    for tolerance in [1e-7, 1e-10, 1e-13] {
+        for (order, h) in [(8, 0.1), (12, 0.5), (20, 0.5)] {
+            let method = Taylor::adaptive(order, h, tolerance);
+            let mut simulation = groove.simulate(State::at([1.0]).moving([0.1]), method).unwrap();
+            simulation.run((10.0 / h) as u64).unwrap();
+            let groove = simulation.energy_error().abs();
+            let start =
+                State::of([[0.0; 3], [1.7, 0.05, 0.0]]).with_momenta([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]);
+            let mut simulation = pair.simulate(start, method).unwrap();
+            simulation.run((2.0 / h) as u64).unwrap();
+            let pair = simulation.energy_error().abs();
+            println!("{tolerance:e} {order} {h}: {groove:e} {pair:e}");
+            // Some six passages, each off by the tolerance over h in velocity, 1.5; in the pair forces of up to 60.
+            assert!(groove < 60.0 * tolerance / h && pair < 600.0 * tolerance / h, "{groove:e} {pair:e}");
+        }
+    }
+}

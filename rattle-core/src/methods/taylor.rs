@@ -7,13 +7,19 @@
 //!
 //! The coefficients come order by order from recurrences written by the macros ([`series`](crate::kernel::series)),
 //! with N²/2 products for each operation. The method has any order, is accurate to rounding if the tolerance asks for
-//! it, and is neither symplectic nor reversible: a reference for tests, and for short runs of high accuracy. Functions
-//! must be smooth: otherwise coefficients are not finite, and the step is an error. With a tolerance it is the fastest
+//! it, and is neither symplectic nor reversible: a reference for tests, and for short runs of high accuracy. With a
+//! tolerance it is the fastest
 //! method on a double pendulum for errors below 1e-8, and faster than DOP853 on surfaces for errors below 1e-10
 //! (`examples/accuracy.rs`).
 //!
-//! With a tolerance each step is divided so that the last two terms of every inner step stay below it. No inner step is
-//! repeated, and a step is a function of the state alone.
+//! With a tolerance each step is divided so that the last two terms of every inner step stay below it. A step is a
+//! function of the state alone.
+//!
+//! **Where a potential changes branch** (`if`, `abs`, `max`, a cut-off) its series is still that of the branch where it
+//! began. So the acceleration at the end of each inner step is compared with that of the series. Where they differ the
+//! change is sought by bisection, and the inner step ends right behind it: the series may be wrong for as long as this
+//! leads the body off by no more than the tolerance. A branch that is entered and left within one inner step is not
+//! seen; without a tolerance nothing is compared.
 //!
 //! Source: À. Jorba, M. Zou, Exp. Math. 14 (2005) 99.
 
@@ -32,6 +38,15 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 
 /// The smallest part of a step that is tried.
 pub(crate) const SMALLEST_PART: f64 = 1e-6;
+
+/// Inner steps up to a change of branch that may be shorter, in a step: a body that rests on one takes no others.
+const MOST_SHORT: u32 = 64;
+
+/// Coefficients that tell the acceleration at the end of an inner step.
+const FEW: usize = 3;
+
+/// By so many roundings of places, and of what the series is made of, accelerations may differ.
+pub(crate) const ROUNDINGS: f64 = 64.0;
 
 /// Taylor's method, with fixed steps or with a tolerance.
 ///
@@ -109,7 +124,7 @@ impl Method for Taylor {
         bodies: &mut BodiesOf<Y, T, D>,
     ) {
         series.reserve_series(bodies, self.coefficients(), self.h);
-        bodies.make_room(self.coefficients());
+        bodies.make_room(self.coefficients() + FEW);
     }
 
     fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
@@ -120,7 +135,7 @@ impl Method for Taylor {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let n = bodies.q.as_ref().len();
-        bodies.with_room(self.coefficients(), |bodies, saved, room| {
+        bodies.with_room(self.coefficients() + FEW, |bodies, saved, room| {
             self.steps(system, bodies, saved, room, witness)?;
             if W::LISTENS {
                 let (_, rates, _) = system;
@@ -143,20 +158,21 @@ impl Taylor {
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
         start: &mut Saved<Y::Count, T, D>,
-        series: &mut [[T; D]],
+        room: &mut [[T; D]],
         witness: &mut W,
     ) -> Result<(), Failure> {
         let (_, _, motion) = system;
+        let (series, few) = room.split_at_mut(self.coefficients() * bodies.q.as_ref().len());
         bodies.save(start);
         motion.expand(bodies, series, witness);
         let Some(tolerance) = self.tolerance else {
             self.arrive(system, bodies, series, self.h)?;
             return look_inside(self, self.h, self.h, system.0, start, bodies);
         };
-        let mut left = self.h;
+        let (mut left, mut short) = (self.h, 0);
         loop {
             let (longest, body) = self.longest(bodies, series, tolerance, motion.unit(bodies));
-            let collapsed = longest < SMALLEST_PART * self.h.abs();
+            let collapsed = longest < SMALLEST_PART * self.h.abs() || short > MOST_SHORT;
             if longest.is_nan() {
                 return Err(Failure { body, cause: MethodFailure::StageNotFinite { h: self.h }.into() });
             }
@@ -167,16 +183,106 @@ impl Taylor {
                 return Err(Failure { body, cause });
             }
             let last = longest >= left.abs();
-            let inner = if last { left } else { longest.copysign(left) };
-            self.arrive(system, bodies, series, inner)?;
+            let whole = if last { left } else { longest.copysign(left) };
+            self.arrive(system, bodies, series, whole)?;
+            let inner = self.in_one_branch(system, bodies, start, (series, few), whole, tolerance)?;
             look_inside(self, left, inner, system.0, start, bodies)?;
-            if last {
+            short += u32::from(inner.abs() < SMALLEST_PART * self.h.abs());
+            if last && inner == whole {
                 return Ok(());
             }
             left -= inner;
             bodies.save(start);
             motion.expand(bodies, series, &mut ());
         }
+    }
+
+    /// The inner step of this length, if the series is that of the motion until its end, where the bodies are; else a
+    /// shorter one, with the bodies at its end, which is right behind where it is not.
+    fn in_one_branch<T: Scalar, Y: System<T, D>, const D: usize>(
+        &self,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+        start: &Saved<Y::Count, T, D>,
+        (series, few): (&mut [[T; D]], &mut [[T; D]]),
+        inner: f64,
+        tolerance: f64,
+    ) -> Result<f64, Failure> {
+        let (motion, allowed) = (system.2, self.allowed(tolerance));
+        // How far off it leads, with velocities times h, to have gone by this acceleration for so long.
+        let off = |bend: f64, time: f64| bend * (time * self.h).abs();
+        let mut end = self.bend(motion, bodies, series, few, inner);
+        if off(end, inner) <= allowed {
+            return Ok(inner);
+        }
+        let (mut before, mut behind, mut at) = (0.0, inner, inner);
+        let shortest = 4.0 * f64::EPSILON * inner.abs();
+        while off(end, behind - before) > tolerance && (behind - before).abs() > shortest {
+            let middle = 0.5 * (before + behind);
+            self.go_again(system, bodies, start, series, middle)?;
+            let there = self.bend(motion, bodies, series, few, middle);
+            at = middle;
+            if off(there, middle) <= allowed {
+                before = middle;
+            } else {
+                (behind, end) = (middle, there);
+            }
+        }
+        if at != behind {
+            self.go_again(system, bodies, start, series, behind)?;
+        }
+        Ok(behind)
+    }
+
+    /// What the acceleration at the end of an inner step may be off by, times that step and the whole one: as the last
+    /// terms are no more than the tolerance, a smooth motion stays below.
+    pub(crate) fn allowed(&self, tolerance: f64) -> f64 {
+        let terms = f64::from(self.order + 2);
+        terms * terms * tolerance
+    }
+
+    /// Goes from the start again, as far as that.
+    fn go_again<T: Scalar, Y: System<T, D>, const D: usize>(
+        &self,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+        start: &Saved<Y::Count, T, D>,
+        series: &mut [[T; D]],
+        inner: f64,
+    ) -> Result<(), Failure> {
+        system.0.put_back(bodies, start);
+        system.2.expand(bodies, series, &mut ());
+        self.arrive(system, bodies, series, inner)
+    }
+
+    /// By how much the acceleration of a body is off that of the series at most, at the end of an inner step, where the
+    /// bodies are, beyond what may be rounding.
+    fn bend<T: Scalar, N: Count, X, Z: Series<N, X, T, D>, const D: usize>(
+        &self,
+        motion: &Z,
+        bodies: &mut Bodies<N, T, X, D>,
+        series: &[[T; D]],
+        few: &mut [[T; D]],
+        inner: f64,
+    ) -> f64 {
+        let n = bodies.q.as_ref().len();
+        let unit = motion.unit(bodies);
+        motion.expand(bodies, few, &mut ());
+        let step = T::from_f64(inner / unit);
+        let rounding = T::from_f64(ROUNDINGS * T::EPSILON);
+        let mut bend = 0.0_f64;
+        for body in 0..n {
+            let (mut sum, mut terms) = ([T::from_f64(0.0); D], T::from_f64(0.0));
+            for k in (2..series.len() / n).rev() {
+                let number = T::from_f64((k * (k - 1)) as f64);
+                sum = add_scaled(&scaled(step, &sum), number, &series[k * n + body]);
+                terms = terms * step.abs() + number * largest(&series[k * n + body]);
+            }
+            let off = largest(&add_scaled(&sum, T::from_f64(-2.0), &few[2 * n + body]));
+            let size = terms + largest(&bodies.q.as_ref()[body]) / (step * step);
+            bend = bend.max((off - rounding * size).to_f64());
+        }
+        bend / (unit * unit)
     }
 
     /// The longest inner step whose last two terms keep the tolerance, and the body that limits it; NaN if a term is.

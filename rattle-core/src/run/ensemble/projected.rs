@@ -40,6 +40,9 @@ use std::borrow::Borrow;
 /// In single precision no tolerance is smaller than so many roundings of places: each inner step leaves one.
 const LEAST_ROUNDINGS: f64 = 4.0;
 
+/// Accelerations may differ by so many roundings of places in the square of an inner step.
+const ROUNDINGS_OF_SERIES: f64 = 1024.0;
+
 /// What a tolerance counts as at least, at this place; 0 in double precision.
 #[inline(always)]
 pub(super) fn least_tolerance<S: Lane, const D: usize>(q: &[S; D]) -> S {
@@ -84,6 +87,12 @@ pub(super) trait Projects<S: Lane, const L: usize, const D: usize>:
         room: &mut Self::Room,
     );
 
+    /// Accelerations at the ends of inner steps, if the method tells from them whether they are in the branch of a
+    /// potential where they began; and how far off these may lead in the time of the step.
+    fn bends<'a>(&self, _room: &'a Self::Room) -> Option<(&'a Vectors<S, L, D>, f64)> {
+        None
+    }
+
     /// Takes a body that obeys what a lane does through a step in so many parts.
     ///
     /// # Errors
@@ -126,6 +135,9 @@ where
         }
         settle::<S, L, D, SUMS>(laws, trial);
         look(laws, inner, [now, trial], seeking, strays, going, taken);
+        if let Some((bends, allowed)) = method.bends(room) {
+            compare(h, inner, bends, S::from_f64(allowed), [now, trial], going, taken);
+        }
         if !take::<S, L, D, SUMS>(pass, h, inner, next, taken, left, going, now, trial) {
             break;
         }
@@ -279,6 +291,29 @@ fn look<S: Lane, X: Laws<S, D>, const L: usize, const D: usize>(
         }
         strays[l] = S::select(moves & strays[l].lt(strayed), strayed, strays[l]);
         going[l] = S::select(moves & !believed, S::from_f64(BY_ITSELF), going[l]);
+    }
+}
+
+/// Has lanes go by themselves whose inner step ends in another branch of a potential.
+#[inline(always)]
+fn compare<S: Lane, const L: usize, const D: usize>(
+    h: S,
+    inner: &[S; L],
+    bends: &Vectors<S, L, D>,
+    allowed: S,
+    [now, trial]: [&Place<S, L, D>; 2],
+    going: &mut [S; L],
+    taken: &[bool; L],
+) {
+    let [zero, minus, roundings] = [0.0, -1.0, ROUNDINGS_OF_SERIES * S::EPSILON].map(S::from_f64);
+    for l in 0..L {
+        let [from, to, pull, bend] = [&now.q, &trial.q, &trial.pull, bends].map(|x| at(x, l));
+        let off = largest(&add_scaled(&pull, minus, &bend));
+        let size = largest(&from).max(largest(&to)) + largest(&pull) * inner[l] * inner[l];
+        // In the time of both steps; rounding is that of places in the square of the inner one.
+        let within = (off * (inner[l] * h).abs()).le(allowed + roundings * size * (h / inner[l]).abs());
+        let moves = zero.lt(going[l]) & taken[l];
+        going[l] = S::select(moves & !within, S::from_f64(BY_ITSELF), going[l]);
     }
 }
 

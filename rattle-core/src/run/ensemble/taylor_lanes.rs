@@ -32,6 +32,8 @@ pub(super) struct TaylorInLanes<X> {
 pub(super) struct Expansion<S, const L: usize, const D: usize> {
     products: SeriesRoom<Lanes<S, L>, D>,
     series: Vec<[Lanes<S, L>; D]>,
+    /// Accelerations at the ends of inner steps.
+    bends: Vectors<S, L, D>,
 }
 
 /// What lanes obey, as functions of L numbers at once.
@@ -123,6 +125,7 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
         Expansion {
             products: room(self.functions, 1, orders, self.method.step_size()),
             series: vec![[zero; D]; orders],
+            bends: [[S::default(); L]; D],
         }
     }
 
@@ -144,7 +147,7 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
         next: &mut [S; L],
         taken: &mut [bool; L],
         [way, change]: [&mut Vectors<S, L, D>; 2],
-        Expansion { products, series }: &mut Expansion<S, L, D>,
+        Expansion { products, series, bends }: &mut Expansion<S, L, D>,
     ) {
         let normal = now.normal.map(Lanes);
         let inverse_square = Lanes::from_f64(1.0) / dot(&normal, &normal);
@@ -171,19 +174,27 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
             *step = *step * over_unit;
         }
         // Loops: of many lanes in many dimensions `array::from_fn` is a call, compiled for no instruction set.
-        let (mut x, mut y) = ([Lanes::from_f64(0.0); D], [Lanes::from_f64(0.0); D]);
+        let [mut x, mut y, mut z] = [[Lanes::from_f64(0.0); D]; 3];
         for (k, coefficient) in series.iter().enumerate().skip(1).rev() {
-            let number = Lanes::from_f64(k as f64);
+            let [number, both] = [k, k * (k - 1)].map(|k| Lanes::from_f64(k as f64));
             for d in 0..D {
                 x[d] = step * (coefficient[d] + x[d]);
                 if k > 1 {
                     y[d] = step * number.multiply_add(coefficient[d], y[d]);
+                    z[d] = step.multiply_add(z[d], both * coefficient[d]);
                 }
             }
         }
+        let over_unit = Lanes::from_f64(1.0 / unit);
         for d in 0..D {
-            (way[d], change[d]) = (x[d].0, (Lanes::from_f64(1.0 / unit) * y[d]).0);
+            (way[d], change[d]) = (x[d].0, (over_unit * y[d]).0);
+            bends[d] = (over_unit * (over_unit * z[d])).0;
         }
+    }
+
+    #[inline(always)]
+    fn bends<'a>(&self, room: &'a Expansion<S, L, D>) -> Option<(&'a Vectors<S, L, D>, f64)> {
+        self.method.tolerance().map(|tolerance| (&room.bends, self.method.allowed(tolerance)))
     }
 
     fn by_itself<A: ConstraintKernel<S, D, 1>, B: Forces<S, D>>(
