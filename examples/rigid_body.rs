@@ -62,7 +62,7 @@ fn formulations(
 ) -> Result<[(&'static str, Run); 3], rattle::Error> {
     let d = body.column_masses();
     let masses: [f64; 9] = std::array::from_fn(|k| d[k % 3]);
-    let start = State::at(Rigid::coordinates(attitude)).moving(body.momenta(attitude, m));
+    let start = State::at(Rigid::coordinates(attitude)).moving(body.matrix_momenta(attitude, m));
     let six = Scene::on(RotationMatrix {}).mass(masses).with(Weight { mgl });
     let nine = Scene::on(Redundant {}).mass(masses).with(Weight { mgl });
     let reduced = Scene::rigid(body).with(Weight { mgl });
@@ -72,8 +72,8 @@ fn formulations(
         nine.system().components().next().map_or(String::new(), |c| c.to_string())
     );
     Ok([
-        ("six equations", run(six.simulate(start, Rattle::new(H))?, Rigid::angular_momentum)?),
-        ("nine equations", run(nine, Rigid::angular_momentum)?),
+        ("six equations", run(six.simulate(start, Rattle::new(H))?, Rigid::angular_momentum_of_matrix)?),
+        ("nine equations", run(nine, Rigid::angular_momentum_of_matrix)?),
         (
             "reduced",
             run(reduced.simulate(Rigid::start(attitude, m), Rattle::new(H))?, |_, p| {

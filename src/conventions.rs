@@ -29,8 +29,8 @@
 //!   is given in the body's frame.
 //! * **Residuals** are |g(q)|, in the unit of g, and |∇g·p|. Error messages give distances, |g|/|∇g|.
 //! * **Units** are any that fit together. Results depend neither on their sizes nor on a constant factor of g, as long
-//!   as the squares |∇g|², |p|² and |q|² stay within the range of `f64`, 1e±300. If g is multiplied by a power of two,
-//!   a simulation stays the same, bit for bit.
+//!   as |∇g|, |p| and |q| stay within 1e±75, so that products of four are numbers. If g is multiplied by a power of
+//!   two, a simulation stays the same, bit for bit.
 //!
 //! | elsewhere | there | here |
 //! |---|---|---|

@@ -66,15 +66,17 @@ fn last<Y: System<f64, 9, Count = One>>(
 fn three_formulations_are_one_motion() {
     let (body, upright) = (Rigid::new(MOMENTS), Matrix3::identity());
     let turning = Rigid::start(&upright, &angular_momentum());
-    let moving = State::at(Rigid::coordinates(&upright)).moving(body.momenta(&upright, &angular_momentum()));
+    let moving =
+        State::at(Rigid::coordinates(&upright)).moving(body.matrix_momenta(&upright, &angular_momentum()));
     for weight in [0.0, 0.7] {
         let method = Rattle::new(0.05);
         let reduced = Scene::rigid(body).with(Top { weight }).simulate(turning.clone(), method).unwrap();
         let reduced = last(reduced, 200, |_, p| Vector3::new(p[0], p[1], p[2]));
         let six = Scene::on(RotationMatrix {}).mass(masses(body)).with(Top { weight });
         let nine = Scene::on(OrthogonalTwice {}).mass(masses(body)).with(Top { weight });
-        let six = last(six.simulate(moving.clone(), method).unwrap(), 200, Rigid::angular_momentum);
-        let nine = last(nine.simulate(moving.clone(), method).unwrap(), 200, Rigid::angular_momentum);
+        let six = last(six.simulate(moving.clone(), method).unwrap(), 200, Rigid::angular_momentum_of_matrix);
+        let nine =
+            last(nine.simulate(moving.clone(), method).unwrap(), 200, Rigid::angular_momentum_of_matrix);
         println!("{:e} {:e}", distance(six, reduced), distance(nine, six));
         assert!(distance(six, reduced) < 1e-12, "{:e}", distance(six, reduced));
         assert!(distance(nine, six) < 1e-12, "{:e}", distance(nine, six));

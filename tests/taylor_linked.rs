@@ -173,7 +173,7 @@ fn a_rigid_body_under_redundant_equations() {
     let (body, upright) = (Rigid::new([0.6, 0.8, 1.0]), Matrix3::identity());
     let d = body.column_masses();
     let scene = Scene::on(OrthogonalTwice {}).mass(std::array::from_fn::<f64, 9, _>(|k| d[k % 3]));
-    let momenta = body.momenta(&upright, &Vector3::new(1.8, 0.4, -0.9));
+    let momenta = body.matrix_momenta(&upright, &Vector3::new(1.8, 0.4, -0.9));
     let start = State::at(Rigid::coordinates(&upright)).moving(momenta);
     let rows = table("rigid_body");
     let row = rows.iter().find(|row| row.number("t") == 1.0).unwrap();

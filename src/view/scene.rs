@@ -132,8 +132,7 @@ impl Scene3 {
     /// on the page shows its number or [name](Scene3::names).
     ///
     /// ```
-    /// use nalgebra::{Vector3, vector};
-    /// let path: Vec<Vector3<f64>> = vec![vector![0.0, 0.0, 0.0], vector![1.0, 0.0, 0.0]];
+    /// let path = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
     /// let scene = rattle::view::Scene3::new("flight").bodies(&[0.0, 1.0], &[path]);
     /// assert!(rattle::view::Page::new("Flight").scene(scene).to_html().is_ok());
     /// ```

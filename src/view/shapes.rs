@@ -76,7 +76,7 @@ impl Scene3 {
     /// arrays).
     ///
     /// ```
-    /// use nalgebra::{Rotation3, Vector3};
+    /// use rattle::nalgebra::{Rotation3, Vector3};
     /// # use rattle::view::{Page, Scene3};
     /// let times: Vec<f64> = (0..=20).map(|i| 0.1 * f64::from(i)).collect();
     /// let turns: Vec<_> = times.iter().map(|&t| Rotation3::new(Vector3::z() * t).into_inner()).collect();

@@ -32,7 +32,7 @@ use std::array::from_fn;
 /// let start = State::at([0.0, 0.0, 0.0]).moving([1.0, 0.0, 0.0]); // a circle of radius 1
 /// let mut simulation = scene.simulate(start, Rattle::new(0.01))?;
 /// simulation.run(1000)?;
-/// let centre = rattle::nalgebra::vector![0.0, -1.0, 0.0];
+/// let centre = -rattle::nalgebra::Vector3::y();
 /// assert!(((simulation.position() - centre).norm() - 1.0).abs() < 1e-4);
 /// assert!(simulation.work().abs() < 1e-15);
 /// # Ok::<(), rattle::Error>(())

@@ -8,8 +8,12 @@ use crate::error::phase::PhaseMistake;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StartFailure {
-    /// A coordinate or momentum component is NaN or infinite.
-    #[error("{quantity}[{component}] is {value}; every component must be finite")]
+    /// A coordinate or momentum component is NaN or infinite, or too large for single precision in an ensemble that has
+    /// it.
+    #[error(
+        "{quantity}[{component}] is {value:e}; every component must be finite{}",
+        if value.is_finite() { " in the precision of the ensemble" } else { "" }
+    )]
     NotFinite {
         /// `position` or `momentum`.
         quantity: &'static str,

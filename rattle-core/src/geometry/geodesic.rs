@@ -28,14 +28,14 @@ pub struct Geodesic<const D: usize> {
 ///
 /// ```
 /// use rattle::curvature::geodesic_distance;
-/// use rattle::nalgebra::vector;
+/// use rattle::nalgebra::Vector3;
 /// use rattle::surfaces::Sphere;
 ///
-/// let (a, b) = (vector![2.0, 0.0, 0.0], vector![0.0, 0.0, 2.0]);
+/// let (a, b) = (2.0 * Vector3::x(), 2.0 * Vector3::z());
 /// let way = geodesic_distance(&Sphere { r: 2.0 }, &a, &b)?;
 /// assert!((way.distance - std::f64::consts::PI).abs() < 1e-13);
-/// assert!((way.from - vector![0.0, 0.0, 1.0]).norm() < 1e-13);
-/// assert!((way.to - vector![-1.0, 0.0, 0.0]).norm() < 1e-13);
+/// assert!((way.from - Vector3::z()).norm() < 1e-13);
+/// assert!((way.to + Vector3::x()).norm() < 1e-13);
 /// # Ok::<(), rattle::curvature::GeodesicError>(())
 /// ```
 ///

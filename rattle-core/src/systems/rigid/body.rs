@@ -33,8 +33,8 @@ pub(crate) const REDUCED: &str = "a rigid body reduced to three unknowns";
 /// frame, in the first three of nine components; the others are 0.
 ///
 /// ```
+/// use rattle::nalgebra::{Matrix3, Vector3};
 /// use rattle::{Rattle, Rigid, Scene};
-/// use nalgebra::{Matrix3, Vector3};
 ///
 /// let body = Rigid::new([0.6, 0.8, 1.0]);
 /// let start = Rigid::start(&Matrix3::identity(), &Vector3::new(1.8, 0.4, -0.9));
@@ -90,16 +90,19 @@ impl Rigid {
         State::at(Self::coordinates(attitude)).moving(spread(angular_momentum))
     }
 
-    /// The momenta P = Q Ω̂ D under QᵀQ = 1 with masses D, of a body with this attitude and angular momentum m = J Ω.
+    /// The momenta P = Q Ω̂ D of a body under QᵀQ = 1 with masses D, in a network, with this attitude and angular
+    /// momentum m = J Ω.
     #[must_use]
-    pub fn momenta(&self, attitude: &Matrix3<f64>, angular_momentum: &Vector3<f64>) -> [f64; 9] {
+    pub fn matrix_momenta(&self, attitude: &Matrix3<f64>, angular_momentum: &Vector3<f64>) -> [f64; 9] {
         let rate = angular_momentum.component_div(&self.inertia).cross_matrix();
         Self::coordinates(&(attitude * rate * Matrix3::from_diagonal(&self.column_masses().into())))
     }
 
-    /// The angular momentum m = (QᵀP − PᵀQ)ˇ in the body's frame, from attitude and momenta under QᵀQ = 1.
+    /// The angular momentum m = (QᵀP − PᵀQ)ˇ in the body's frame, from attitude and [matrix
+    /// momenta](Self::matrix_momenta) of a body under QᵀQ = 1. Of a body of `Scene::rigid` m are the first three
+    /// entries of its momentum.
     #[must_use]
-    pub fn angular_momentum(attitude: &Matrix3<f64>, momenta: &[f64; 9]) -> Vector3<f64> {
+    pub fn angular_momentum_of_matrix(attitude: &Matrix3<f64>, momenta: &[f64; 9]) -> Vector3<f64> {
         turning_part(attitude, &Self::attitude(momenta))
     }
 }
