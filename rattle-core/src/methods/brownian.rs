@@ -26,8 +26,10 @@ use crate::number::real::Scalar;
 ///
 /// There are no momenta: those of a start are ignored, and after each step they are zero (with moving links, those of
 /// the links). Energies are potential energies, no work is counted, and the energy error has no meaning. A step needs
-/// h·κ·|v| < 1, with its random displacement as h|v|. The only possible [flows](crate::effect::Flow) are those that do
-/// not depend on momenta: [`SelfPropulsion`](crate::effect::SelfPropulsion), and a `force!` without velocities.
+/// h·κ·|v| < 1, with its random displacement as h|v|. That is √(2Dh) times a normal number, which in n steps reaches
+/// some √(2 ln n): long runs need κ√(2Dh) below a seventh, and a step that is half as long helps by √2 alone. The only
+/// possible [flows](crate::effect::Flow) are those that do not depend on momenta:
+/// [`SelfPropulsion`](crate::effect::SelfPropulsion), and a `force!` without velocities.
 ///
 /// ```
 /// use rattle::prelude::*;

@@ -250,10 +250,19 @@ fn choose(
     Ok(Choice { rung, price, error, prices: measured.prices })
 }
 
+/// The error of a row at the end of the run, as far as another method confirms it: by itself the reference's own method
+/// is as good as it converges, though it may converge to something else.
+fn confirmed(prices: &Prices, row: &Price, what: Quantity) -> Option<f64> {
+    let error = row.error(what)?;
+    let is_the_reference = what == Quantity::Position && row.method == prices.reference[0];
+    let known = if is_the_reference { prices.reference_error } else { 0.0 };
+    Some(error.max(known) * prices.grown(row, what))
+}
+
 /// The cheapest row that meets the wish, which any other must beat.
 fn cheapest_row(prices: &Prices, wish: f64, what: Quantity) -> Option<(Rung, Price, f64)> {
     let met = prices.rows.iter().filter_map(|row| {
-        let error = row.error(what)? * prices.grown(row, what);
+        let error = confirmed(prices, row, what)?;
         let rung = Rung { candidate: row.method, h: row.h, tolerance: row.tolerance.unwrap_or(0.0) };
         (error <= wish).then(|| (rung, row.clone(), error))
     });
@@ -280,7 +289,7 @@ fn verify(
         let rung = Rung { candidate: method, h: pilot.stretch() / steps as f64, tolerance };
         let again = steps == known.steps / looks && known.tolerance.is_none_or(|t| t == tolerance);
         let price = if again { known.clone() } else { price(runner, pilot, reference, steps, rung).ok()?.0 };
-        let error = price.error(what)? * prices.grown(&price, what);
+        let error = confirmed(prices, &price, what)?;
         if error <= wish {
             return Some((rung, price, error));
         }
@@ -313,8 +322,7 @@ fn uncertain(prices: &Prices, what: Quantity) -> Option<f64> {
 }
 
 fn unreachable(prices: &Prices, wish: f64, what: Quantity, budget: f64) -> Error {
-    let at_end = |row: &Price| row.error(what).map(|error| error * prices.grown(row, what));
-    let rows = prices.rows.iter().filter_map(|row| Some((at_end(row)?, row)));
+    let rows = prices.rows.iter().filter_map(|row| Some((confirmed(prices, row, what)?, row)));
     let best = rows.min_by(|a, b| a.0.total_cmp(&b.0));
     let (best, row) = best.map_or((f64::NAN, None), |(error, row)| (error, Some(row)));
     let chaos = prices.lyapunov_time.zip(prices.predictable);
