@@ -113,6 +113,7 @@ fn free_bodies() {
                 agree(Compensated, &scene, moments, 70, &Composition::new(SUZUKI_1990_ORDER_4, 0.1), 10),
                 agree(Double, &scene, moments, 70, &Dop853::new(0.2), 10),
                 agree(Double, &scene, moments, 9, &Dop853::adaptive(0.5, 1e-10), 4),
+                agree(Double, &scene, moments, 9, &Dop853::adaptive(1.0, 1e-3), 2),
             ],
             moments,
         );

@@ -252,8 +252,8 @@ impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
         }
     }
 
-    /// The estimated error of an inner step, the largest of all bodies, and of which body; NaN if it is none.
-    /// The momenta of `bodies` are used up.
+    /// The estimated error of an inner step, the largest of all bodies, and of which body; NaN if it is none. The
+    /// places and momenta of `bodies` are used up.
     fn error<Y: System<T, D, Count = N>>(
         &self,
         system: View<'_, Dop853, T, Y, D>,
@@ -263,6 +263,7 @@ impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
     ) -> (f64, usize) {
         let mut worst = (0.0, 0);
         for body in 0..self.n {
+            bodies.q.as_mut()[body] = self.start.body(body).q; // where an attitude is a rotation
             let mut length = |weights| {
                 let (v, f) = self.combined(weights, body);
                 bodies.p.as_mut()[body] = f;

@@ -16,10 +16,11 @@
 //! function of the state alone.
 //!
 //! **Where a potential changes branch** (`if`, `abs`, `max`, a cut-off) its series is still that of the branch where it
-//! began. So the acceleration at the end of each inner step is compared with that of the series. Where they differ the
-//! change is sought by bisection, and the inner step ends right behind it: the series may be wrong for as long as this
-//! leads the body off by no more than the tolerance. A branch that is entered and left within one inner step is not
-//! seen; without a tolerance nothing is compared.
+//! began. So the acceleration at the end of each inner step is compared with that of the series. Where they differ by
+//! more than the last terms of the series, which tell what it leaves out, the change is sought by bisection, and the
+//! inner step ends right behind it: the series may be wrong for as long as this leads the body off, with velocities
+//! times h, by no more than the tolerance. A branch that is entered and left within one inner step is not seen; without
+//! a tolerance nothing is compared.
 //!
 //! Source: À. Jorba, M. Zou, Exp. Math. 14 (2005) 99.
 
@@ -39,8 +40,9 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 /// The smallest part of a step that is tried.
 pub(crate) const SMALLEST_PART: f64 = 1e-6;
 
-/// Inner steps up to a change of branch that may be shorter, in a step: a body that rests on one takes no others.
-const MOST_SHORT: u32 = 64;
+/// Inner steps up to a change of branch that may be shorter, in a step and for each body: one that rests on such a
+/// change takes no others.
+const MOST_SHORT: usize = 64;
 
 /// Coefficients that tell the acceleration at the end of an inner step.
 const FEW: usize = 3;
@@ -172,7 +174,7 @@ impl Taylor {
         let (mut left, mut short) = (self.h, 0);
         loop {
             let (longest, body) = self.longest(bodies, series, tolerance, motion.unit(bodies));
-            let collapsed = longest < SMALLEST_PART * self.h.abs() || short > MOST_SHORT;
+            let collapsed = longest < SMALLEST_PART * self.h.abs();
             if longest.is_nan() {
                 return Err(Failure { body, cause: MethodFailure::StageNotFinite { h: self.h }.into() });
             }
@@ -185,9 +187,13 @@ impl Taylor {
             let last = longest >= left.abs();
             let whole = if last { left } else { longest.copysign(left) };
             self.arrive(system, bodies, series, whole)?;
-            let inner = self.in_one_branch(system, bodies, start, (series, few), whole, tolerance)?;
+            let (inner, off) = self.in_one_branch(system, bodies, start, (series, few), whole, tolerance)?;
             look_inside(self, left, inner, system.0, start, bodies)?;
-            short += u32::from(inner.abs() < SMALLEST_PART * self.h.abs());
+            short += usize::from(inner.abs() < SMALLEST_PART * self.h.abs());
+            if short > MOST_SHORT * bodies.q.as_ref().len() {
+                let cause = MethodFailure::StepsCollapse { inner, h: self.h, error: off, tolerance };
+                return Err(Failure { body: 0, cause: cause.into() });
+            }
             if last && inner == whole {
                 return Ok(());
             }
@@ -198,7 +204,8 @@ impl Taylor {
     }
 
     /// The inner step of this length, if the series is that of the motion until its end, where the bodies are; else a
-    /// shorter one, with the bodies at its end, which is right behind where it is not.
+    /// shorter one, with the bodies at its end, which is right behind where it is not. And how far off it would have
+    /// led.
     fn in_one_branch<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
@@ -207,13 +214,14 @@ impl Taylor {
         (series, few): (&mut [[T; D]], &mut [[T; D]]),
         inner: f64,
         tolerance: f64,
-    ) -> Result<f64, Failure> {
-        let (motion, allowed) = (system.2, self.allowed(tolerance));
+    ) -> Result<(f64, f64), Failure> {
+        let motion = system.2;
         // How far off it leads, with velocities times h, to have gone by this acceleration for so long.
         let off = |bend: f64, time: f64| bend * (time * self.h).abs();
         let mut end = self.bend(motion, bodies, series, few, inner);
-        if off(end, inner) <= allowed {
-            return Ok(inner);
+        let whole = off(end, inner);
+        if whole <= tolerance {
+            return Ok((inner, whole));
         }
         let (mut before, mut behind, mut at) = (0.0, inner, inner);
         let shortest = 4.0 * f64::EPSILON * inner.abs();
@@ -222,7 +230,7 @@ impl Taylor {
             self.go_again(system, bodies, start, series, middle)?;
             let there = self.bend(motion, bodies, series, few, middle);
             at = middle;
-            if off(there, middle) <= allowed {
+            if off(there, middle) <= tolerance {
                 before = middle;
             } else {
                 (behind, end) = (middle, there);
@@ -231,14 +239,7 @@ impl Taylor {
         if at != behind {
             self.go_again(system, bodies, start, series, behind)?;
         }
-        Ok(behind)
-    }
-
-    /// What the acceleration at the end of an inner step may be off by, times that step and the whole one: as the last
-    /// terms are no more than the tolerance, a smooth motion stays below.
-    pub(crate) fn allowed(&self, tolerance: f64) -> f64 {
-        let terms = f64::from(self.order + 2);
-        terms * terms * tolerance
+        Ok((behind, whole))
     }
 
     /// Goes from the start again, as far as that.
@@ -256,7 +257,7 @@ impl Taylor {
     }
 
     /// By how much the acceleration of a body is off that of the series at most, at the end of an inner step, where the
-    /// bodies are, beyond what may be rounding.
+    /// bodies are, beyond the last two terms of the series and what may be rounding.
     fn bend<T: Scalar, N: Count, X, Z: Series<N, X, T, D>, const D: usize>(
         &self,
         motion: &Z,
@@ -268,19 +269,21 @@ impl Taylor {
         let n = bodies.q.as_ref().len();
         let unit = motion.unit(bodies);
         motion.expand(bodies, few, &mut ());
-        let step = T::from_f64(inner / unit);
+        let (step, orders) = (T::from_f64(inner / unit), series.len() / n);
         let rounding = T::from_f64(ROUNDINGS * T::EPSILON);
         let mut bend = 0.0_f64;
         for body in 0..n {
-            let (mut sum, mut terms) = ([T::from_f64(0.0); D], T::from_f64(0.0));
-            for k in (2..series.len() / n).rev() {
+            let (mut sum, mut terms, mut last) = ([T::from_f64(0.0); D], T::from_f64(0.0), T::from_f64(0.0));
+            for k in (2..orders).rev() {
                 let number = T::from_f64((k * (k - 1)) as f64);
+                let term = number * largest(&series[k * n + body]);
                 sum = add_scaled(&scaled(step, &sum), number, &series[k * n + body]);
-                terms = terms * step.abs() + number * largest(&series[k * n + body]);
+                terms = terms * step.abs() + term;
+                last = last * step.abs() + if k + 2 >= orders { term } else { T::from_f64(0.0) };
             }
             let off = largest(&add_scaled(&sum, T::from_f64(-2.0), &few[2 * n + body]));
             let size = terms + largest(&bodies.q.as_ref()[body]) / (step * step);
-            bend = bend.max((off - rounding * size).to_f64());
+            bend = bend.max((off - last - rounding * size).to_f64());
         }
         bend / (unit * unit)
     }

@@ -87,9 +87,9 @@ pub(super) trait Projects<S: Lane, const L: usize, const D: usize>:
         room: &mut Self::Room,
     );
 
-    /// Accelerations at the ends of inner steps, if the method tells from them whether they are in the branch of a
-    /// potential where they began; and how far off these may lead in the time of the step.
-    fn bends<'a>(&self, _room: &'a Self::Room) -> Option<(&'a Vectors<S, L, D>, f64)> {
+    /// Accelerations at the ends of inner steps, if the method tells from them whether these are in the branch of a
+    /// potential where they began; and by how much they may be off the right ones, and how far that may lead.
+    fn bends<'a>(&self, _room: &'a Self::Room) -> Option<(&'a Vectors<S, L, D>, &'a [S; L], f64)> {
         None
     }
 
@@ -135,8 +135,8 @@ where
         }
         settle::<S, L, D, SUMS>(laws, trial);
         look(laws, inner, [now, trial], seeking, strays, going, taken);
-        if let Some((bends, allowed)) = method.bends(room) {
-            compare(h, inner, bends, S::from_f64(allowed), [now, trial], going, taken);
+        if let Some((bends, left_out, tolerance)) = method.bends(room) {
+            compare(h, inner, (bends, left_out), S::from_f64(tolerance), [now, trial], going, taken);
         }
         if !take::<S, L, D, SUMS>(pass, h, inner, next, taken, left, going, now, trial) {
             break;
@@ -299,8 +299,8 @@ fn look<S: Lane, X: Laws<S, D>, const L: usize, const D: usize>(
 fn compare<S: Lane, const L: usize, const D: usize>(
     h: S,
     inner: &[S; L],
-    bends: &Vectors<S, L, D>,
-    allowed: S,
+    (bends, left_out): (&Vectors<S, L, D>, &[S; L]),
+    tolerance: S,
     [now, trial]: [&Place<S, L, D>; 2],
     going: &mut [S; L],
     taken: &[bool; L],
@@ -308,10 +308,10 @@ fn compare<S: Lane, const L: usize, const D: usize>(
     let [zero, minus, roundings] = [0.0, -1.0, ROUNDINGS_OF_SERIES * S::EPSILON].map(S::from_f64);
     for l in 0..L {
         let [from, to, pull, bend] = [&now.q, &trial.q, &trial.pull, bends].map(|x| at(x, l));
-        let off = largest(&add_scaled(&pull, minus, &bend));
+        let off = largest(&add_scaled(&pull, minus, &bend)) - left_out[l];
         let size = largest(&from).max(largest(&to)) + largest(&pull) * inner[l] * inner[l];
         // In the time of both steps; rounding is that of places in the square of the inner one.
-        let within = (off * (inner[l] * h).abs()).le(allowed + roundings * size * (h / inner[l]).abs());
+        let within = (off * (inner[l] * h).abs()).le(tolerance + roundings * size * (h / inner[l]).abs());
         let moves = zero.lt(going[l]) & taken[l];
         going[l] = S::select(moves & !within, S::from_f64(BY_ITSELF), going[l]);
     }

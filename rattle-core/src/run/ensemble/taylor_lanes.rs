@@ -32,8 +32,9 @@ pub(super) struct TaylorInLanes<X> {
 pub(super) struct Expansion<S, const L: usize, const D: usize> {
     products: SeriesRoom<Lanes<S, L>, D>,
     series: Vec<[Lanes<S, L>; D]>,
-    /// Accelerations at the ends of inner steps.
+    /// Accelerations at the ends of inner steps, and their last two terms.
     bends: Vectors<S, L, D>,
+    left_out: [S; L],
 }
 
 /// What lanes obey, as functions of L numbers at once.
@@ -126,6 +127,7 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
             products: room(self.functions, 1, orders, self.method.step_size()),
             series: vec![[zero; D]; orders],
             bends: [[S::default(); L]; D],
+            left_out: [S::default(); L],
         }
     }
 
@@ -147,7 +149,7 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
         next: &mut [S; L],
         taken: &mut [bool; L],
         [way, change]: [&mut Vectors<S, L, D>; 2],
-        Expansion { products, series, bends }: &mut Expansion<S, L, D>,
+        Expansion { products, series, bends, left_out }: &mut Expansion<S, L, D>,
     ) {
         let normal = now.normal.map(Lanes);
         let inverse_square = Lanes::from_f64(1.0) / dot(&normal, &normal);
@@ -186,15 +188,20 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
             }
         }
         let over_unit = Lanes::from_f64(1.0 / unit);
+        let over_square = over_unit * over_unit;
         for d in 0..D {
             (way[d], change[d]) = (x[d].0, (over_unit * y[d]).0);
-            bends[d] = (over_unit * (over_unit * z[d])).0;
+            bends[d] = (over_square * z[d]).0;
         }
+        last_terms(&step, over_square, series, left_out);
     }
 
     #[inline(always)]
-    fn bends<'a>(&self, room: &'a Expansion<S, L, D>) -> Option<(&'a Vectors<S, L, D>, f64)> {
-        self.method.tolerance().map(|tolerance| (&room.bends, self.method.allowed(tolerance)))
+    fn bends<'a>(
+        &self,
+        Expansion { bends, left_out, .. }: &'a Expansion<S, L, D>,
+    ) -> Option<(&'a Vectors<S, L, D>, &'a [S; L], f64)> {
+        self.method.tolerance().map(|tolerance| (bends, left_out, tolerance))
     }
 
     fn by_itself<A: ConstraintKernel<S, D, 1>, B: Forces<S, D>>(
@@ -209,6 +216,30 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
         (0..parts).try_for_each(|_| {
             part.step::<S, OnSurface<A, B, One, OneByOne>, _, D>(view, bodies, &mut [], &mut ())
         })
+    }
+}
+
+/// The last two terms of accelerations after these steps, which tell what series leave out.
+#[inline(always)]
+fn last_terms<S: Lane, const L: usize, const D: usize>(
+    step: &Lanes<S, L>,
+    over_square: Lanes<S, L>,
+    series: &[[Lanes<S, L>; D]],
+    to: &mut [S; L],
+) {
+    let (last, mut power) = (series.len() - 1, over_square);
+    for _ in 0..last - 3 {
+        power = power * *step;
+    }
+    let [before, number] = [(last - 1) * (last - 2), last * (last - 1)].map(|k| S::from_f64(k as f64));
+    for l in 0..L {
+        let mut terms = S::default();
+        for d in 0..D {
+            let both =
+                before * series[last - 1][d].0[l].abs() + number * (series[last][d].0[l] * step.0[l]).abs();
+            terms = terms.max(both);
+        }
+        to[l] = terms * power.0[l].abs();
     }
 }
 
