@@ -49,7 +49,7 @@ pub(super) fn ensemble<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: u
             scene.ensemble(starts, Composition::new(coefficients, h))
         }
         // What does not go side by side is not compiled.
-        (Candidate::Dop853, _) if const { on_surfaces::<C, D>() || matches!(C::KIND, Kind::Network) } => {
+        (Candidate::Dop853, _) if const { !matches!(C::KIND, Kind::Phase) } => {
             scene.ensemble(starts, Dop853::adaptive(h, tolerance))
         }
         _ if const { !on_surfaces::<C, D>() } => Err(Error::Price(PriceMistake::OneByOne)),
