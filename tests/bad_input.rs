@@ -32,11 +32,13 @@ fn nobody_is_moved_by_every_method() {
     let scene = Scene::points::<2>(0);
     scene.simulate(nobody.clone(), Rattle::new(0.1)).unwrap().run(3).unwrap();
     scene.simulate(nobody.clone(), Taylor::new(8, 0.1)).unwrap().run(3).unwrap();
+    scene.simulate(nobody.clone(), Taylor::adaptive(8, 0.1, 1e-9)).unwrap().run(3).unwrap();
+    scene.simulate(nobody.clone(), Dop853::adaptive(0.1, 1e-9)).unwrap().run(3).unwrap();
     scene.simulate(nobody.clone(), Lobatto::<3>::new(0.1)).unwrap().run(3).unwrap();
     scene.simulate(nobody, Dop853::new(0.1)).unwrap().run(3).unwrap();
     let (scene, nobody) = (Scene::on(Sphere { r: 1.0 }).bodies(0), State::of(Vec::<[f64; 3]>::new()));
     scene.simulate(nobody.clone(), Rattle::new(0.1)).unwrap().run(3).unwrap();
-    scene.simulate(nobody, Taylor::new(8, 0.1)).unwrap().run(3).unwrap();
+    scene.simulate(nobody, Taylor::adaptive(8, 0.1, 1e-9)).unwrap().run(3).unwrap();
 }
 
 #[test]

@@ -269,7 +269,7 @@ impl Taylor {
         let n = bodies.q.as_ref().len();
         let unit = motion.unit(bodies);
         motion.expand(bodies, few, &mut ());
-        let (step, orders) = (T::from_f64(inner / unit), series.len() / n);
+        let (step, orders) = (T::from_f64(inner / unit), self.coefficients());
         let rounding = T::from_f64(ROUNDINGS * T::EPSILON);
         let mut bend = 0.0_f64;
         for body in 0..n {
