@@ -174,6 +174,20 @@ pub(crate) fn who_end<const D: usize>(
     ended
 }
 
+/// Whether [those that end](who_end), and some if so is asked, end by the error that they end by alone.
+pub(crate) fn end_as_alone<const D: usize>(
+    number: u32,
+    some_end: bool,
+    of: impl Fn(&[u32], InstructionSet) -> Ensemble<D>,
+    alone: impl Fn(u32) -> rattle::Error,
+) {
+    let ended = who_end(number, of);
+    assert!(!some_end || !ended.is_empty());
+    for (i, found) in ended {
+        assert_eq!(found.to_string(), alone(i as u32).to_string(), "trajectory {i}");
+    }
+}
+
 /// Whether the trajectory of this number is too fast for its steps.
 pub(crate) fn fast(i: u32) -> bool {
     i.is_multiple_of(3)

@@ -9,6 +9,7 @@ use crate::motion::method::Method;
 use crate::number::lanes::{Fused, Lane};
 use crate::number::real::Real;
 use crate::number::vector::two_sum;
+use crate::run::ensemble::engine::Stuck;
 use crate::systems::network::in_lanes::{Number, Numbers, Which, zeros};
 use std::ops::Range;
 
@@ -198,6 +199,26 @@ impl<const W: usize> Track<W> {
 /// Where two tracks are, as a [`State`].
 pub(super) fn state<const W: usize>([a, b]: &mut [Track<W>; 2]) -> [&mut Vec<Numbers<W>>; 4] {
     [&mut a.now, &mut b.now, &mut a.low, &mut b.low]
+}
+
+/// Has lanes that go [by themselves](BY_ITSELF) moved one by one, and put copies with what they are copies of. All that
+/// cannot are told of at once: each is left out before the row is tried again.
+#[cold]
+#[inline(never)]
+pub(super) fn one_by_one<X, const W: usize>(
+    going: &Which<W>,
+    copy_of: &[usize; W],
+    moved: &mut dyn FnMut(usize) -> Result<X, Stuck>,
+    put: &mut dyn FnMut(usize, &X),
+) -> Result<(), Vec<Stuck>> {
+    let mut stuck = Vec::new();
+    for of in (0..W).filter(|&of| copy_of[of] == of && going[of] == BY_ITSELF) {
+        match moved(of) {
+            Ok(landed) => (0..W).filter(|&lane| copy_of[lane] == of).for_each(|lane| put(lane, &landed)),
+            Err(why) => stuck.push(why),
+        }
+    }
+    if stuck.is_empty() { Ok(()) } else { Err(stuck) }
 }
 
 /// Has a lane of two tracks be there.

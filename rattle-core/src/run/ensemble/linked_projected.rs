@@ -21,7 +21,7 @@ use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::run::ensemble::dop853_row::{
-    ARRIVED, BY_ITSELF, MOST_NEWTON_STEPS, MOST_PASSES, MOVES, Pace, Track, choose, put, state,
+    ARRIVED, BY_ITSELF, MOST_NEWTON_STEPS, MOST_PASSES, MOVES, Pace, Track, choose, one_by_one, put, state,
 };
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
@@ -70,7 +70,9 @@ impl<const W: usize> Work for ProjectedSteps<'_, '_, W> {
         for number in from..from + steps {
             desk.step(&mut pulling);
             if desk.pace.going.contains(&BY_ITSELF) {
-                desk.go_apart(number, kept, copy_of, apart)?;
+                let (going, put) =
+                    (desk.pace.going, &mut |lane, landed: &Landed| desk.take_over(lane, landed));
+                one_by_one(&going, copy_of, &mut |lane| apart(lane, number, kept), put)?;
                 desk.be_there(&mut pulling);
             }
             kept.state
@@ -162,29 +164,6 @@ impl<'a, const W: usize> Desk<'a, W> {
         self.there = true;
         self.pull.copy_from_slice(&self.numbers[change..change + n]);
         self.normals.copy_from_slice(&self.numbers[gradient..gradient + entries]);
-    }
-
-    /// Has lanes go by themselves, copies with what they are copies of. All that cannot are told of at once: each is
-    /// left out before this is tried again.
-    #[cold]
-    #[inline(never)]
-    fn go_apart(
-        &mut self,
-        number: u64,
-        kept: &Kept<W>,
-        copy_of: &[usize; W],
-        apart: &mut Apart<'_, W>,
-    ) -> Result<(), Vec<Stuck>> {
-        let (mut stuck, going) = (Vec::new(), self.pace.going);
-        for of in (0..W).filter(|&of| copy_of[of] == of && going[of] == BY_ITSELF) {
-            match apart(of, number, kept) {
-                Ok(landed) => {
-                    (0..W).filter(|&lane| copy_of[lane] == of).for_each(|lane| self.take_over(lane, &landed));
-                }
-                Err(why) => stuck.push(why),
-            }
-        }
-        if stuck.is_empty() { Ok(()) } else { Err(stuck) }
     }
 
     /// Takes over where a lane is that went by itself.

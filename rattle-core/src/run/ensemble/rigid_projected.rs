@@ -19,8 +19,8 @@ use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::{largest, scaled, sum, two_sum};
 use crate::run::ensemble::dop853_row::{
-    ARRIVED, BY_ITSELF, MOST_NEWTON_STEPS, MOST_PASSES, MOVES, Pace, State, Track, choose, put as put_there,
-    state,
+    ARRIVED, BY_ITSELF, MOST_NEWTON_STEPS, MOST_PASSES, MOVES, Pace, State, Track, choose, one_by_one,
+    put as put_there, state,
 };
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
@@ -65,7 +65,9 @@ impl Work for ProjectedSteps<'_, '_> {
         for _ in 0..steps {
             desk.step(&mut pulling);
             if desk.pace.going.contains(&BY_ITSELF) {
-                desk.go_apart(kept, copy_of, apart)?;
+                let Desk { pace, tracks, .. } = &mut *desk;
+                let put = &mut |lane, landed: &[Vec<f64>; 4]| put_there(tracks, lane, landed);
+                one_by_one(&pace.going, copy_of, &mut |lane| apart(lane, kept), put)?;
                 desk.be_there(&mut pulling);
             }
             kept.iter_mut().zip(state(&mut desk.tracks)).for_each(|(to, from)| to.copy_from_slice(from));
@@ -121,28 +123,6 @@ impl<'a> Desk<'a> {
         self.respond(pulling);
         self.there = true;
         self.rates.iter_mut().zip(&self.rates_there).for_each(|(to, from)| to.copy_from_slice(from));
-    }
-
-    /// Has lanes go by themselves, copies with what they are copies of. All that cannot are told of at once: each is
-    /// left out before this is tried again.
-    #[cold]
-    #[inline(never)]
-    fn go_apart(
-        &mut self,
-        kept: &State<ROW>,
-        copy_of: &[usize; ROW],
-        apart: &mut Apart<'_>,
-    ) -> Result<(), Vec<Stuck>> {
-        let (mut stuck, going) = (Vec::new(), self.pace.going);
-        for of in (0..ROW).filter(|&of| copy_of[of] == of && going[of] == BY_ITSELF) {
-            match apart(of, kept) {
-                Ok(landed) => (0..ROW)
-                    .filter(|&lane| copy_of[lane] == of)
-                    .for_each(|lane| put_there(&mut self.tracks, lane, &landed)),
-                Err(why) => stuck.push(why),
-            }
-        }
-        if stuck.is_empty() { Ok(()) } else { Err(stuck) }
     }
 
     /// Rates on trial.
