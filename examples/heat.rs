@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let places = watching.0.positions();
     let (late, _) = places[places.len() / 6 * 3..].as_chunks::<3>();
     let samples = late.len() as f64 / 100.0;
-    let density = mesh.density(late, 0.08).into_iter().map(|per_area| per_area / samples);
+    let density = mesh.density(late, 0.08)?.into_iter().map(|per_area| per_area / samples);
     let dense = motion.clone().renamed("Mean density").heat("particles per area", density);
     Page::new("A gas at a temperature").scene(motion).scene(dense).write("out/heat/index.html")?;
     println!("\nWritten to out/heat: index.html");

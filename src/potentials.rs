@@ -168,7 +168,7 @@ potential! {
 }
 
 /// Uniform gravity along −z on bodies of these masses, in the order of the bodies: U = Σ g mᵢ zᵢ. Give the same numbers
-/// to `Scene::masses`.
+/// to `Scene::masses`. A scene of more or fewer bodies refuses it.
 ///
 /// ```
 /// use rattle::potentials::weights;
@@ -183,11 +183,13 @@ potential! {
 /// # Ok::<(), rattle::Error>(())
 /// ```
 pub fn weights(g: f64, masses: impl IntoIterator<Item = f64>) -> Over<Gravity, 1> {
-    Over::each(masses.into_iter().enumerate().map(|(body, mass)| (Gravity { g: g * mass }, [body])))
+    let weights: Vec<_> = masses.into_iter().map(|mass| Gravity { g: g * mass }).collect();
+    let bodies = weights.len();
+    Over::each(weights.into_iter().enumerate().map(|(body, weight)| (weight, [body]))).for_bodies(bodies)
 }
 
 /// Newton's gravitation between every two bodies of these masses: U = −Σ G mᵢ mⱼ / |qᵢ − qⱼ|. `constant` is G. Give the
-/// same masses to `Scene::masses`.
+/// same masses to `Scene::masses`. A scene of more or fewer bodies refuses it.
 ///
 /// ```
 /// use rattle::potentials::gravitation;
@@ -208,7 +210,8 @@ pub fn gravitation(constant: f64, masses: impl IntoIterator<Item = f64>) -> Over
 }
 
 /// Coulomb's law between every two bodies of these charges: U = Σ k qᵢ qⱼ / |qᵢ − qⱼ|; like charges repel for
-/// `constant` k > 0. Bodies without charge are left out.
+/// `constant` k > 0. Bodies without charge are left out; a scene of more or fewer bodies than there are charges refuses
+/// it.
 ///
 /// ```
 /// use rattle::potentials::charges;
@@ -220,14 +223,14 @@ pub fn gravitation(constant: f64, masses: impl IntoIterator<Item = f64>) -> Over
 /// # Ok::<(), rattle::Error>(())
 /// ```
 pub fn charges(constant: f64, charges: impl IntoIterator<Item = f64>) -> Over<InverseDistance, 2> {
-    let strengths = between_every_two(constant, charges.into_iter().collect());
-    Over::each(strengths.map(|(strength, pair)| (InverseDistance { strength }, pair)))
+    between_every_two(constant, charges.into_iter().collect(), |strength| InverseDistance { strength })
 }
 
-/// The strength k cᵢ cⱼ of every pair i < j, without those of strength zero.
-fn between_every_two(constant: f64, charges: Vec<f64>) -> impl Iterator<Item = (f64, [usize; 2])> {
+/// The potential of strength k cᵢ cⱼ for every pair i < j, without those of strength zero.
+fn between_every_two<P>(constant: f64, charges: Vec<f64>, potential: impl Fn(f64) -> P) -> Over<P, 2> {
     let pairs = (0..charges.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
-    pairs
-        .map(move |[i, j]| (constant * charges[i] * charges[j], [i, j]))
-        .filter(|&(strength, _)| strength != 0.0)
+    let strengths = pairs
+        .map(|[i, j]| (constant * charges[i] * charges[j], [i, j]))
+        .filter(|&(strength, _)| strength != 0.0);
+    Over::each(strengths.map(|(strength, pair)| (potential(strength), pair))).for_bodies(charges.len())
 }

@@ -7,7 +7,7 @@ use rattle::error::{NetworkMistake, PhaseMistake, RigidFailure, StartFailure, St
 use rattle::links::Rod;
 use rattle::prelude::*;
 use rattle::surfaces::{Plane, Sphere};
-use rattle::watch::{Histogram, Sight};
+use rattle::watch::{Histogram, Mean, ShadowEnergy, Sight};
 
 potential! {
     /// Of two bodies on a line.
@@ -329,4 +329,58 @@ fn no_one_goes_where_a_potential_is_no_number() {
         FeneSqrt: sqrt(x), -0.5;
         FenePower: x^2.5, -0.5;
     }
+}
+
+#[test]
+fn steps_without_inner_steps_are_refused() {
+    let scene = Scene::on(Sphere { r: 1.0 });
+    let start = || State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+    for inner in [0, 65_537, u32::MAX] {
+        let (geodesic, baoab) = (Geodesic::new(inner, 0.01), Baoab::with_inner(inner, 0.01));
+        for (method, alone, in_lanes) in [
+            (
+                "geodesic RATTLE",
+                scene.simulate(start(), geodesic).map(drop),
+                scene.ensemble([start()], geodesic).map(drop),
+            ),
+            ("g-BAOAB", scene.simulate(start(), baoab).map(drop), scene.ensemble([start()], baoab).map(drop)),
+        ] {
+            let error = Error::InnerSteps { method, inner };
+            assert_eq!(alone, Err(error.clone()));
+            let told = in_lanes.unwrap_err().to_string();
+            assert_eq!(told, format!("trajectory 0: {error}"));
+        }
+    }
+    assert!(scene.simulate(start(), Geodesic::new(65_536, 0.01)).is_ok());
+}
+
+#[test]
+fn shadow_energies_have_few_orders() {
+    for order in [0, 1, 3, 13, 14, usize::MAX] {
+        assert_eq!(ShadowEnergy::<3>::new(order).map(drop), Err(Error::ShadowOrder(order)));
+    }
+    assert!((2..=12).step_by(2).all(|order| ShadowEnergy::<3>::new(order).is_ok()));
+}
+
+/// `steps / frames` is 0 where there are more frames than steps.
+#[test]
+fn every_0_steps_is_every_step() {
+    let scene = Scene::point();
+    let start = || State::at([0.0]).moving([1.0]);
+    let mean = || Mean::of(|now: &Sight<'_, 1>| now.position().x);
+    let mut simulation = scene.simulate(start(), Rattle::new(0.5)).unwrap();
+    let mut seen = mean();
+    simulation.observe(4, 0, &mut seen).unwrap();
+    assert_eq!((seen.number(), seen.mean()), (4, 1.25));
+    let mut ensemble = scene.ensemble([start()], Rattle::new(0.5)).unwrap();
+    let seen = ensemble.observe(4, 0, mean);
+    assert_eq!((seen.number(), seen.mean()), (4, 1.25));
+    assert_eq!(ensemble.run_while(10, 0, |now| now.state(0).time() < 3.0), 2);
+    let mut snapshots = 0;
+    let count = |_: &rattle::ensemble::Snapshot<1>| {
+        snapshots += 1;
+        Ok::<(), Error>(())
+    };
+    ensemble.stream(3, 0, count).unwrap();
+    assert_eq!(snapshots, 3);
 }

@@ -99,15 +99,18 @@ fn densities_are_points_by_area() {
     };
     let whole = n as f64 / (4.0 * std::f64::consts::PI);
     // The area within the radius is that of about a hundred vertices: off by those at its rim, √100 or so of them.
-    for (vertex, density) in mesh.vertices.iter().zip(mesh.density(&even(1.0), 0.35)) {
+    for (vertex, density) in mesh.vertices.iter().zip(mesh.density(&even(1.0), 0.35).unwrap()) {
         assert!((density / whole - 1.0).abs() < 0.1, "{vertex:?}: {density} for {whole}");
     }
-    for (vertex, density) in mesh.vertices.iter().zip(mesh.density(&even(0.0), 0.35)) {
+    for (vertex, density) in mesh.vertices.iter().zip(mesh.density(&even(0.0), 0.35).unwrap()) {
         let expected = if vertex[2] < 0.0 { 2.0 * whole } else { 0.0 };
         assert!(vertex[2].abs() < 0.36 || (density - expected).abs() < 0.2 * whole, "{vertex:?}: {density}");
     }
     // What lies elsewhere is not counted.
-    assert_eq!(mesh.density(&[[5.0; 3]], 0.3).iter().sum::<f64>(), 0.0);
+    assert_eq!(mesh.density(&[[5.0; 3]], 0.3).unwrap().iter().sum::<f64>(), 0.0);
+    for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(mesh.density(&[[5.0; 3]], radius), Err(MeshError::Radius(_))), "{radius}");
+    }
 }
 
 #[test]

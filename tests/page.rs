@@ -495,6 +495,9 @@ fn scenes_that_cannot_be_drawn_are_errors() {
     let path = [[0.0; 3], [1.0; 3]];
     let scene = |times: &[f64], paths: &[Vec<[f64; 3]>]| Scene3::new("flight").bodies(times, paths);
     let far = vec![[0.0; 3], [1e39, 0.0, 0.0]];
+    let on_a_line =
+        rattle::Scene::point().simulate(rattle::State::at([0.0]), rattle::Rattle::new(0.1)).unwrap();
+    let line = rattle::Trajectory::of(&on_a_line);
     #[rustfmt::skip]
     let cases = [
         ("nobody",    scene(&[0.0, 1.0], &[]),                                  "nothing moves"),
@@ -519,6 +522,11 @@ fn scenes_that_cannot_be_drawn_are_errors() {
         ("mirror",    flight().turning_box([1.0; 3], &[[0.0; 3]], &[[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]]), "box 0 at time 0 are no rotation"),
         ("thin box",  flight().turning_box([1.0, 0.0, 1.0], &[[0.0; 3]], &[[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]]), "side of a box 0"),
         ("late",      flight().moving_surface(&[(1.0, ball(1.0)), (0.5, ball(1.0))]), "come after the one before, at time 0.5"),
+        ("at once",   flight().seconds(0.0),                                    "duration 0"),
+        ("never",     flight().seconds(f64::INFINITY),                          "duration inf"),
+        ("period",    flight().periods([0.0, -1.0, 0.0]),                       "period -1"),
+        ("no period", flight().periods([f64::NAN, 0.0, 0.0]),                   "period NaN"),
+        ("a line",    flight().trajectory(&line),                               "a trajectory has 1"),
         ("too far",   scene(&[0.0, 1.0], &[far]),                               "1e39"),
     ];
     for (name, scene, words) in cases {

@@ -2,6 +2,7 @@
 //! limits, runs that keep what they must, and that all of them, and surfaces, go to a file and back.
 
 use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rattle::Error;
 use rattle::links::{self, planar};
 use rattle::nalgebra::{SVector, Vector2, Vector3};
 use rattle::potentials::{self, *};
@@ -402,7 +403,24 @@ fn weights_charges_and_gravitation() {
     assert_near(plane.simulate(start, Rattle::new(0.01)).unwrap().energy(), expected[1], 8.0);
     // A body without charge is left out: it may be where another one is.
     let touching = State::of([places[0], places[1], places[1], places[3]]);
-    assert!(Scene::points(4).with(charges(1.1, charge)).simulate(touching, Rattle::new(0.01)).is_ok());
+    assert!(
+        Scene::points(4).with(charges(1.1, charge)).simulate(touching.clone(), Rattle::new(0.01)).is_ok()
+    );
+    // A list with an entry for each body is not for more bodies, nor for fewer.
+    let five = State::of([[0.0; 3], [1.0; 3], [2.0; 3], [3.0; 3], [4.0; 3]]);
+    let told = |result: Result<(), Error>| result.unwrap_err().to_string();
+    assert_eq!(
+        told(
+            Scene::points(5).with(weights(9.81, masses)).simulate(five.clone(), Rattle::new(0.01)).map(drop)
+        ),
+        "effect `Gravity`: 4 numbers were given for 5 bodies"
+    );
+    assert_eq!(
+        told(Scene::points(5).with(gravitation(1.0, masses)).simulate(five, Rattle::new(0.01)).map(drop)),
+        "effect `InverseDistance`: 4 numbers were given for 5 bodies"
+    );
+    let four = Scene::points(4).with(charges(1.0, [1.0, 2.0, 3.0]));
+    assert!(four.ensemble([touching], Rattle::new(0.01)).is_err());
 }
 
 /// A mechanism of all links in space: what they say holds at the end, measured in other words.

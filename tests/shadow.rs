@@ -36,7 +36,7 @@ fn quadratic_forms_are_the_rational_ones() {
     let table = table.as_object().unwrap();
     assert_eq!(table.len(), 6);
     for (order, rows) in table {
-        let form = quadratic_form(order.parse().unwrap());
+        let form = quadratic_form(order.parse().unwrap()).unwrap();
         let rows = rows.as_array().unwrap();
         assert_eq!(form.len(), rows.len());
         for (found, row) in form.iter().zip(rows) {
@@ -56,7 +56,7 @@ fn spreads<C: Hold<D>, E: Effects<D>, N: Count, S: Method, const D: usize>(
     time: f64,
 ) -> [f64; 5] {
     let mut simulation = scene.simulate(scene.staggered(start, method).unwrap(), method.clone()).unwrap();
-    let mut shadows = [4, 6, 8].map(ShadowEnergy::new);
+    let mut shadows = [4, 6, 8].map(|order| ShadowEnergy::new(order).unwrap());
     let mut energies = [vec![simulation.energy()], vec![simulation.shadow_energy()]];
     for _ in 0..(time / method.step_size()).round() as u64 {
         simulation.observe(1, 1, &mut shadows).unwrap();

@@ -76,6 +76,28 @@ fn an_apex_is_not_gone_through() {
     }
 }
 
+/// The second step ends at the apex, to the last bit.
+#[test]
+fn a_step_onto_an_apex_is_told() {
+    fn onto<S: Method>(method: S) {
+        let (name, scene) = (method.name(), Scene::on(Cone {}));
+        let start = State::at([1.0, 0.0, 1.0]).moving([-1.0, 0.0, -1.0]);
+        let mut ensemble = scene.ensemble([start.clone()], method.clone()).unwrap();
+        ensemble.run(3);
+        let alone = scene.simulate(start, method).unwrap().run(3).unwrap_err();
+        for error in [&alone, ensemble.failures().next().unwrap().1] {
+            let Error::Step { cause: StepFailure::NoNormal { position, gradient }, step: 2, .. } = error
+            else {
+                panic!("{name}: {error}")
+            };
+            assert!(position.iter().chain(gradient).all(|&x| x == 0.0), "{name}: {error}");
+        }
+    }
+    onto(Rattle::new(0.5));
+    onto(Shake::new(0.5));
+    onto(Geodesic::new(2, 0.5));
+}
+
 /// Whatever goes on has an energy of the size that it had: 2, or less than that.
 fn past_the_apex<S: Method>(method: &S, accurate: bool) -> bool {
     let mut ended = false;

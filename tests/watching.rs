@@ -41,7 +41,8 @@ fn every_observer_watches_simulations_and_ensembles() {
     let z = |now: &Sight<'_, 3>| now.position().z;
     let energy = |now: &Sight<'_, 3>| now.energy();
     let bins = Histogram::of(z, -0.2, 0.2, 5).unwrap();
-    let watch = || ((Mean::of(energy), bins.clone()), (Section::of(z), ShadowEnergy::new(4)));
+    let shadow = ShadowEnergy::new(4).unwrap();
+    let watch = || ((Mean::of(energy), bins.clone()), (Section::of(z), shadow.clone()));
     let mut simulation = scene().simulate(billiard(0.3), Rattle::new(0.01)).unwrap();
     let mut seen = watch();
     simulation.observe(700, 1, &mut seen).unwrap();
@@ -62,7 +63,8 @@ fn trajectories_of_an_ensemble_are_kept_apart_and_are_those_of_simulations() {
     let (scene, start) = pendulum();
     let starts = || (0..5).map(|i| start.clone().with_momenta([[0.0, 0.0], [0.0, 0.1 * f64::from(i)]]));
     let mut ensemble = scene.ensemble(starts(), Rattle::new(0.02)).unwrap();
-    let seen = ensemble.observe(100, 7, || Each::of(|| (Trajectory::new(), ShadowEnergy::new(2))));
+    let shadow = ShadowEnergy::new(2).unwrap();
+    let seen = ensemble.observe(100, 7, || Each::of(|| (Trajectory::new(), shadow.clone())));
     for (i, start) in starts().enumerate() {
         let mut alone = scene.simulate(start, Rattle::new(0.02)).unwrap();
         let mut own = Trajectory::of(&alone);

@@ -130,7 +130,9 @@ potential! {
 /// Uniform gravity along −y on bodies of these masses, in the order of the bodies; see [`weights`](super::weights) in
 /// space.
 pub fn weights(g: f64, masses: impl IntoIterator<Item = f64>) -> Over<Gravity, 1> {
-    Over::each(masses.into_iter().enumerate().map(|(body, mass)| (Gravity { g: g * mass }, [body])))
+    let weights: Vec<_> = masses.into_iter().map(|mass| Gravity { g: g * mass }).collect();
+    let bodies = weights.len();
+    Over::each(weights.into_iter().enumerate().map(|(body, weight)| (weight, [body]))).for_bodies(bodies)
 }
 
 /// Newton's potential −G mᵢ mⱼ / |qᵢ − qⱼ| between every two bodies of these masses; see
@@ -142,6 +144,5 @@ pub fn gravitation(constant: f64, masses: impl IntoIterator<Item = f64>) -> Over
 /// The potential k qᵢ qⱼ / |qᵢ − qⱼ| between every two bodies of these charges; see [`charges`](super::charges) in
 /// space.
 pub fn charges(constant: f64, charges: impl IntoIterator<Item = f64>) -> Over<InverseDistance, 2> {
-    let strengths = super::between_every_two(constant, charges.into_iter().collect());
-    Over::each(strengths.map(|(strength, pair)| (InverseDistance { strength }, pair)))
+    super::between_every_two(constant, charges.into_iter().collect(), |strength| InverseDistance { strength })
 }

@@ -1,6 +1,6 @@
 //! The density of points on a mesh.
 
-use super::mesh::Mesh;
+use super::mesh::{Mesh, MeshError};
 use std::collections::HashMap;
 
 impl Mesh {
@@ -15,27 +15,29 @@ impl Mesh {
     /// let sphere = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z - 1.0, [2.0 * x, 2.0 * y, 2.0 * z]);
     /// let mesh = Mesh::of(sphere, [-1.5; 3], [1.5; 3], 30)?;
     /// let seven = [[0.0, 0.0, 1.0]; 7];
-    /// let density = mesh.density(&seven, 0.3);
+    /// let density = mesh.density(&seven, 0.3)?;
     /// let pole = mesh.vertices.iter().position(|q| q[2] > 0.98).unwrap();
     /// assert!((density[pole] * 0.09 * std::f64::consts::PI - 7.0).abs() < 2.0);
     /// # Ok::<(), rattle::view::MeshError>(())
     /// ```
     ///
-    /// # Panics
-    /// If the radius is not a positive number.
-    #[track_caller]
-    pub fn density<P: Copy + Into<[f64; 3]>>(&self, points: &[P], radius: f64) -> Vec<f64> {
-        assert!(
-            radius.is_finite() && radius > 0.0,
-            "points are counted within a positive radius, not {radius}"
-        );
+    /// # Errors
+    /// [`MeshError::Radius`] if the radius is not a positive number.
+    pub fn density<P: Copy + Into<[f64; 3]>>(
+        &self,
+        points: &[P],
+        radius: f64,
+    ) -> Result<Vec<f64>, MeshError> {
+        if !(radius.is_finite() && radius > 0.0) {
+            return Err(MeshError::Radius(radius));
+        }
         let points = Cells::of(points.iter().map(|&point| (point.into(), 1.0)), radius);
         let areas = Cells::of(self.vertices.iter().copied().zip(self.areas()), radius);
         let density = |&vertex: &[f64; 3]| match areas.within(vertex) {
             0.0 => 0.0, // a vertex that no triangle uses
             area => points.within(vertex) / area,
         };
-        self.vertices.iter().map(density).collect()
+        Ok(self.vertices.iter().map(density).collect())
     }
 
     /// A third of the triangles around each vertex.

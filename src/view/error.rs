@@ -73,6 +73,16 @@ pub enum PageError {
         /// How many there are.
         bodies: usize,
     },
+    /// A trajectory of bodies that have other than two or three coordinates.
+    #[error(
+        "scene `{scene}`: a page shows bodies with two or three coordinates, and a trajectory has {coordinates}"
+    )]
+    Coordinates {
+        /// The scene.
+        scene: String,
+        /// Coordinates of each body.
+        coordinates: usize,
+    },
     /// A list has the wrong length.
     #[error("scene `{scene}`: {what}: {found} for {wanted}")]
     Count {

@@ -451,6 +451,9 @@ pub enum MeshError {
         /// g there.
         value: f64,
     },
+    /// A radius within which points are counted that is not a positive number.
+    #[error("points are counted within a positive radius, not {0}")]
+    Radius(f64),
     /// The box has no volume, or the number of cells is out of range.
     #[error("can't lay {cells} cells (4 to 600) along a box from {low:?} to {high:?}")]
     Box {

@@ -19,6 +19,8 @@ pub struct Scene3 {
     pub(super) heat: Option<(String, Vec<f64>)>,
     pub(super) times: Vec<f64>,
     pub(super) positions: Vec<Vec<[f64; 3]>>,
+    /// Of a trajectory that no page shows.
+    pub(super) coordinates: Option<usize>,
     pub(super) trail: usize,
     pub(super) seconds: f64,
     /// Of space along the axes, 0 where it has none.
@@ -51,6 +53,7 @@ impl Scene3 {
             heat: None,
             times: Vec::new(),
             positions: Vec::new(),
+            coordinates: None,
             trail: 0,
             seconds: 30.0,
             periods: [0.0; 3],
@@ -161,15 +164,13 @@ impl Scene3 {
     /// # Ok::<(), rattle::Error>(())
     /// ```
     ///
-    /// # Panics
-    /// If bodies have other than two or three coordinates.
-    #[track_caller]
+    /// A page says [`PageError::Coordinates`] if the bodies have other than two or three coordinates.
     pub fn trajectory(mut self, trajectory: &Trajectory) -> Self {
         let [_, bodies, coordinates] = trajectory.shape();
-        assert!(
-            bodies == 0 || matches!(coordinates, 2 | 3),
-            "a page shows two or three coordinates, not {coordinates}"
-        );
+        if bodies > 0 && !matches!(coordinates, 2 | 3) {
+            self.coordinates = Some(coordinates);
+            return self;
+        }
         if self.times.is_empty() {
             self.times = trajectory.times().to_vec();
         }
@@ -201,11 +202,8 @@ impl Scene3 {
     /// # Ok::<(), rattle::view::PageError>(())
     /// ```
     ///
-    /// # Panics
-    /// When `seconds` is not a positive number.
-    #[track_caller]
+    /// A page says [`PageError::Number`] if `seconds` is not a positive number.
     pub fn seconds(mut self, seconds: f64) -> Self {
-        assert!(seconds.is_finite() && seconds > 0.0, "a motion takes a positive time, not {seconds} s");
         self.seconds = seconds;
         self
     }
@@ -221,12 +219,8 @@ impl Scene3 {
     /// # Ok::<(), rattle::view::PageError>(())
     /// ```
     ///
-    /// # Panics
-    /// When a period is negative, or not a number.
-    #[track_caller]
+    /// A page says [`PageError::Number`] if a period is negative, or not a number.
     pub fn periods(mut self, periods: [f64; 3]) -> Self {
-        let odd = periods.iter().find(|period| !(period.is_finite() && **period >= 0.0));
-        assert!(odd.is_none(), "a period is positive, or 0 where there is none, not {odd:?}");
         self.periods = periods;
         self
     }
@@ -301,6 +295,11 @@ impl Scene3 {
 
     pub(super) fn check(&self) -> Result<(), PageError> {
         let scene = || self.title.clone();
+        if let Some(coordinates) = self.coordinates {
+            return Err(PageError::Coordinates { scene: scene(), coordinates });
+        }
+        self.numbers("duration", [&self.seconds], true)?;
+        self.numbers("period", self.periods.iter().filter(|&&period| period != 0.0), true)?;
         let moves = !self.positions.is_empty() || !self.boxes.is_empty() || self.surfaces.len() > 1;
         if !moves || self.times.len() < 2 {
             return Err(PageError::NoMotion { scene: scene() });

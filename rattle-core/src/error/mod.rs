@@ -92,6 +92,21 @@ pub enum Error {
     #[error("the order of a Taylor method is 2 to 64, found {0}")]
     Order(u32),
 
+    /// A step without inner steps, or with more than 65 536.
+    #[error("a step of {method} has 1 to 65536 inner steps, found {inner}")]
+    InnerSteps {
+        /// The method.
+        method: &'static str,
+        /// How many were asked for.
+        inner: u32,
+    },
+
+    /// An order that no [shadow energy](crate::run::watch::ShadowEnergy) has.
+    #[error(
+        "the order of a shadow energy is 2, 4, 6, 8, 10 or 12, found {0}; beyond that the rounding of positions dominates"
+    )]
+    ShadowOrder(usize),
+
     /// A tolerance that is not a positive number.
     #[error("a tolerance is a positive number, found {0}")]
     Tolerance(f64),

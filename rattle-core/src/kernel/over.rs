@@ -1,6 +1,6 @@
 //! A function of several bodies, and the bodies on which each copy of it acts.
 
-use crate::error::{Error, NetworkMistake};
+use crate::error::{EffectMistake, Error, NetworkMistake};
 use std::any::type_name;
 
 /// A potential, or another function of A bodies, on chosen bodies. Each member is a list of A bodies; the variables of
@@ -16,25 +16,38 @@ pub struct Over<P, const A: usize> {
     /// One for all members, or one for each.
     pub(crate) potentials: Vec<P>,
     pub(crate) members: Vec<[usize; A]>,
+    /// The number of bodies of the scenes for which it is made.
+    bodies: Option<usize>,
 }
 
 impl<P, const A: usize> Over<P, A> {
     /// The same potential for all of these members.
     pub fn new(potential: P, members: impl IntoIterator<Item = [usize; A]>) -> Self {
-        Self { potentials: vec![potential], members: members.into_iter().collect() }
+        Self { potentials: vec![potential], members: members.into_iter().collect(), bodies: None }
     }
 
     /// A potential for each member.
     pub fn each(pairs: impl IntoIterator<Item = (P, [usize; A])>) -> Self {
         let (potentials, members) = pairs.into_iter().unzip();
-        Self { potentials, members }
+        Self { potentials, members, bodies: None }
     }
 
-    /// Looks whether the members name bodies that there are, each once.
+    /// The same for scenes of so many bodies alone; others refuse it. For members made of a list with an entry for each
+    /// body, of which none was to be forgotten.
+    #[must_use]
+    pub fn for_bodies(self, bodies: usize) -> Self {
+        Self { bodies: Some(bodies), ..self }
+    }
+
+    /// Looks whether the members name bodies that there are, each once, and whether there are as many bodies as it is
+    /// made for.
     ///
     /// # Errors
-    /// Which does not, of the effect called so.
+    /// Which does not, of the effect called so; how many bodies it is for.
     pub(crate) fn check_members(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
+        if let Some(listed) = self.bodies.filter(|&listed| listed != bodies) {
+            return Err(Error::Effect { effect: what, mistake: EffectMistake::Count { listed, bodies } });
+        }
         let ends = self.members.iter().enumerate().flat_map(|(i, of)| (0..A).map(move |end| (i, of, end)));
         for (member, of, end) in ends {
             let body = of[end];

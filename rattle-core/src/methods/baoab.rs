@@ -25,7 +25,8 @@
 //!
 //! Source: B. Leimkuhler, C. Matthews, Proc. R. Soc. A 472 (2016) 20160138.
 
-use crate::methods::fixed::{Fixed, Map};
+use crate::error::Error;
+use crate::methods::fixed::{Fixed, MOST_INNER, Map, check_inner_steps};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Splitting, Stage};
 use crate::motion::parts::BodiesOf;
@@ -59,14 +60,9 @@ impl Default for KickDriftHeat {
 
 impl Baoab {
     /// The method with step size `h`, in the unit of time, and `inner` steps of free motion on either side of the
-    /// middle of each step.
-    ///
-    /// # Panics
-    /// If `inner` is 0.
+    /// middle of each step, 1 to 65 536.
     #[must_use]
-    #[track_caller]
     pub fn with_inner(inner: u32, h: f64) -> Self {
-        assert!(inner > 0, "g-BAOAB has at least one inner step on either side");
         Self::of(KickDriftHeat { inner }, h)
     }
 }
@@ -80,7 +76,8 @@ impl Map for KickDriftHeat {
     const EVALUATIONS: Option<usize> = Some(1);
 
     fn stages(&self, h: f64) -> Vec<Stage> {
-        let (drifts, kick) = (2 * self.inner, |this: bool| if this { 0.5 * h } else { 0.0 });
+        let inner = self.inner.min(MOST_INNER); // more are refused before a run
+        let (drifts, kick) = (2 * inner, |this: bool| if this { 0.5 * h } else { 0.0 });
         let stage = |number| Stage {
             before: kick(number == 0),
             h: h / f64::from(drifts),
@@ -91,6 +88,10 @@ impl Map for KickDriftHeat {
 
     fn stirs_after(&self) -> usize {
         self.inner as usize
+    }
+
+    fn check(&self, _: usize) -> Result<(), Error> {
+        check_inner_steps(Self::NAME, self.inner)
     }
 
     #[inline(always)]

@@ -98,6 +98,17 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
     ) -> Result<(), Failure>;
 }
 
+/// A step has no more inner steps; a list of them fits into a megabyte or two.
+pub(crate) const MOST_INNER: u32 = 65_536;
+
+/// Checks how many inner steps a step of a method has.
+///
+/// # Errors
+/// [`Error::InnerSteps`].
+pub(crate) fn check_inner_steps(method: &'static str, inner: u32) -> Result<(), Error> {
+    if (1..=MOST_INNER).contains(&inner) { Ok(()) } else { Err(Error::InnerSteps { method, inner }) }
+}
+
 /// The method whose steps are the map `M` with a constant step size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fixed<M> {

@@ -13,7 +13,8 @@
 //!
 //! Source: B. Leimkuhler, C. Matthews, Proc. R. Soc. A 472 (2016) 20160138.
 
-use crate::methods::fixed::{Fixed, Map};
+use crate::error::Error;
+use crate::methods::fixed::{Fixed, MOST_INNER, Map, check_inner_steps};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Splitting, Stage};
 use crate::motion::parts::BodiesOf;
@@ -39,14 +40,9 @@ pub struct KickDriftsKick {
 }
 
 impl Geodesic {
-    /// The method with step size `h`, in the unit of time, and `inner` steps of free motion in each step.
-    ///
-    /// # Panics
-    /// If `inner` is 0.
+    /// The method with step size `h`, in the unit of time, and `inner` steps of free motion in each step, 1 to 65 536.
     #[must_use]
-    #[track_caller]
     pub fn new(inner: u32, h: f64) -> Self {
-        assert!(inner > 0, "a step of geodesic RATTLE has at least one inner step");
         Self::of(KickDriftsKick { inner }, h)
     }
 }
@@ -59,9 +55,14 @@ impl Map for KickDriftsKick {
     const SPLITTING: Splitting = Splitting::Stages;
     fn stages(&self, h: f64) -> Vec<Stage> {
         let kick = |at_end: bool| if at_end { 0.5 * h } else { 0.0 };
-        let (number, inner) = (self.inner, h / f64::from(self.inner));
+        let number = self.inner.min(MOST_INNER); // more are refused before a run
+        let inner = h / f64::from(number);
         let stage = |i| Stage { before: kick(i == 0), h: inner, after: kick(i + 1 == number) };
         (0..number).map(stage).collect()
+    }
+
+    fn check(&self, _: usize) -> Result<(), Error> {
+        check_inner_steps(Self::NAME, self.inner)
     }
 
     #[inline(always)]

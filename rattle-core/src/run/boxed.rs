@@ -222,9 +222,6 @@ impl<const D: usize> BoxedSimulation<D> {
     ///
     /// # Errors
     /// As there.
-    ///
-    /// # Panics
-    /// If `every` is 0.
     pub fn observe<O: Observer<D>>(&mut self, steps: u64, every: u64, observer: &mut O) -> Result<(), Error> {
         self.0.observe(steps, every, observer)
     }

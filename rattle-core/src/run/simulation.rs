@@ -296,9 +296,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
-    /// Takes `steps` steps and shows the simulation to `observer` after every `every` steps, see
-    /// [`watch`](crate::run::watch). Steps beyond the last multiple of `every` are taken and not shown. Observers of
-    /// multipliers receive those of every step. Positions and momenta are copied each time that the simulation is
+    /// Takes `steps` steps and shows the simulation to `observer` after every `every` steps (0 counts as 1),
+    /// see [`watch`](crate::run::watch). Steps beyond the last multiple of `every` are taken and not shown. Observers
+    /// of multipliers receive those of every step. Positions and momenta are copied each time that the simulation is
     /// shown.
     ///
     /// ```
@@ -313,17 +313,13 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// # Errors
     /// As [`Self::run`]; the observer has then seen all steps before it that it was to see. [`Error::Recorder`] where
     /// an observer fails.
-    ///
-    /// # Panics
-    /// If `every` is 0.
-    #[track_caller]
     pub fn observe<O: Observer<D> + ?Sized>(
         &mut self,
         steps: u64,
         every: u64,
         observer: &mut O,
     ) -> Result<(), Error> {
-        assert!(every > 0, "a simulation is observed after every 1 or more steps");
+        let every = every.max(1);
         let mut before = Seen::new(self.steps, 1, self.bodies(), |page| self.look(page));
         let mut now = before.clone();
         for _ in 0..steps / every {

@@ -110,9 +110,10 @@ pub enum StepFailure {
         /// The restitution.
         restitution: f64,
     },
-    /// The constraint function is NaN or infinite where the solver evaluated it.
+    /// The constraint function, or what follows from it, is NaN or infinite where the solver evaluated it.
     #[error(
-        "the constraint is not a number near q = {position:?}; the step left the domain of its expression"
+        "the constraint is not a number near q = {position:?}; the step left the domain of its expression, or came to a point \
+         without a normal"
     )]
     ConstraintNotFinite {
         /// The position at the start of the step.

@@ -24,7 +24,7 @@ pub struct Snapshot<const D: usize> {
 const ON_THE_WAY: usize = 2;
 
 impl<const D: usize> Ensemble<D> {
-    /// Takes `steps` steps, and passes a snapshot to `consume` after every `every` steps.
+    /// Takes `steps` steps, and passes a snapshot to `consume` after every `every` steps (0 counts as 1).
     ///
     /// `consume` runs on a thread of its own while the ensemble goes on. Where `consume` falls two snapshots behind,
     /// the ensemble waits, so memory does not grow. A trajectory that has failed appears in each snapshot with its last
@@ -34,14 +34,14 @@ impl<const D: usize> Ensemble<D> {
     /// The first error of `consume`; no further steps are then begun.
     ///
     /// # Panics
-    /// If `every` is 0, or `consume` does.
+    /// If `consume` does.
     pub fn stream<X: Send>(
         &mut self,
         steps: u64,
         every: u64,
         mut consume: impl FnMut(&Snapshot<D>) -> Result<(), X> + Send,
     ) -> Result<(), X> {
-        assert!(every > 0, "a snapshot is taken after every 1 or more steps");
+        let every = every.max(1);
         let (full, to_consume) = sync_channel::<Snapshot<D>>(ON_THE_WAY);
         let (empty, to_fill) = sync_channel::<Snapshot<D>>(ON_THE_WAY + 2);
         std::thread::scope(|scope| {

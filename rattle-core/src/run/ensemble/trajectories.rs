@@ -281,7 +281,8 @@ impl<const D: usize> Ensemble<D> {
         self.steps = self.steps.saturating_add(steps);
     }
 
-    /// Takes `steps` steps, and shows each trajectory to an observer after every `every` steps.
+    /// Takes `steps` steps, and shows each trajectory to an observer after every `every` steps (0
+    /// counts as 1).
     ///
     /// `new` makes an observer for each group of trajectories that are computed together; these observers are joined in
     /// the order of the trajectories. A trajectory that has failed is not shown again. Steps beyond the last multiple
@@ -306,16 +307,13 @@ impl<const D: usize> Ensemble<D> {
     /// assert_eq!((speed.number(), speed.mean()), (10_000, 49.5));
     /// # Ok::<(), rattle::Error>(())
     /// ```
-    ///
-    /// # Panics
-    /// If `every` is 0.
     pub fn observe<O: Observer<D> + Send>(
         &mut self,
         steps: u64,
         every: u64,
         observer: impl Fn() -> O + Sync,
     ) -> O {
-        assert!(every > 0, "an ensemble is observed after every 1 or more steps");
+        let every = every.max(1);
         let mut observers: Vec<O> = Vec::new();
         observers.resize_with(self.groups.len(), &observer);
         self.run_watched(steps, every, observers.iter_mut().map(|observer| observer as _).collect());

@@ -49,7 +49,7 @@ impl<const D: usize> Ensemble<D> {
     }
 
     /// Takes steps as long as `go_on` returns true for the ensemble, at most `steps`; returns how many were taken. It
-    /// is asked before the first step and after every `every` steps.
+    /// is asked before the first step and after every `every` steps (0 counts as 1).
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle};
@@ -59,12 +59,9 @@ impl<const D: usize> Ensemble<D> {
     /// assert_eq!(steps, 50);
     /// # Ok::<(), rattle::Error>(())
     /// ```
-    ///
-    /// # Panics
-    /// If `every` is 0.
     #[doc(alias = "stop early")]
     pub fn run_while(&mut self, steps: u64, every: u64, mut go_on: impl FnMut(&Self) -> bool) -> u64 {
-        assert!(every > 0, "an ensemble is asked after every 1 or more steps");
+        let every = every.max(1);
         let begun = self.steps;
         while self.steps - begun < steps && go_on(self) {
             self.run(every.min(steps - (self.steps - begun)));

@@ -15,6 +15,7 @@
 //! RATTLE, SHAKE and, without constraints, the leapfrog method; momenta do not enter. H₂ needs momenta tangent to the
 //! constraints, and is for RATTLE alone. Neither holds for a composition, whose inner steps differ in length.
 
+use crate::error::Error;
 use crate::motion::capability::Rates;
 use crate::motion::method::Method;
 use crate::motion::system::System;
@@ -73,13 +74,14 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 /// # let scene = Scene::points(1);
 /// # let start = State::at([0.0]).moving([1.0]);
 /// let mut simulation = scene.simulate(start.clone(), Rattle::new(0.1))?;
-/// let mut shadow = ShadowEnergy::new(4);
+/// let mut shadow = ShadowEnergy::new(4)?;
 /// simulation.observe(10, 1, &mut shadow)?;
 /// assert_eq!(shadow.values().len(), 10 + 1 - 4);
 /// assert!(shadow.values().iter().all(|e| (e - 0.5).abs() < 1e-13));
 ///
 /// let mut ensemble = scene.ensemble([start.clone(), start], Rattle::new(0.1))?;
-/// let shadows = ensemble.observe(10, 1, || Each::of(|| ShadowEnergy::new(4)));
+/// let new = ShadowEnergy::new(4)?;
+/// let shadows = ensemble.observe(10, 1, || Each::of(|| new.clone()));
 /// assert!((shadows.get(1).unwrap().values()[6] - 0.5).abs() < 1e-13);
 /// # Ok::<(), rattle::Error>(())
 /// ```
@@ -102,14 +104,12 @@ struct Place<const D: usize> {
 }
 
 impl<const D: usize> ShadowEnergy<D> {
-    /// An observer of E with 2K = `order`, which is conserved to h to this power.
+    /// An observer of E with 2K = `order`, one of 2, 4, … 12, which is conserved to h to this power.
     ///
-    /// # Panics
-    /// If the order is not one of 2, 4, … 12: for higher ones the rounding of positions dominates.
-    #[must_use]
-    #[track_caller]
-    pub fn new(order: usize) -> Self {
-        Self { form: quadratic_form(order), window: VecDeque::new(), values: Vec::new() }
+    /// # Errors
+    /// [`Error::ShadowOrder`] for any other order.
+    pub fn new(order: usize) -> Result<Self, Error> {
+        Ok(Self { form: quadratic_form(order)?, window: VecDeque::new(), values: Vec::new() })
     }
 
     /// E at the steps that have K steps before and K after them.
@@ -171,12 +171,12 @@ impl<const D: usize> Observer<D> for ShadowEnergy<D> {
 
 /// C in E = U(qₙ) + h⁻² Σᵢⱼ Cᵢⱼ ⟨qₙ₊ᵢ − qₙ, M (qₙ₊ⱼ − qₙ)⟩ for the order 2K, i and j = −K … K.
 ///
-/// # Panics
-/// If the order is not one of 2, 4, … 12.
-#[must_use]
-#[track_caller]
-pub fn quadratic_form(order: usize) -> Vec<Vec<f64>> {
-    assert!(order.is_multiple_of(2) && (2..=12).contains(&order), "orders are 2, 4, … 12, not {order}");
+/// # Errors
+/// [`Error::ShadowOrder`] if the order is not one of 2, 4, … 12.
+pub fn quadratic_form(order: usize) -> Result<Vec<Vec<f64>>, Error> {
+    if !(order.is_multiple_of(2) && (2..=12).contains(&order)) {
+        return Err(Error::ShadowOrder(order));
+    }
     let (half, width) = (order / 2, order + 1);
     let derivative = central_differences(half);
     let mut form = vec![vec![0.0; width]; width];
@@ -194,7 +194,7 @@ pub fn quadratic_form(order: usize) -> Vec<Vec<f64>> {
             }
         }
     }
-    form
+    Ok(form)
 }
 
 /// Weights of all derivatives at 0 from values at −K … K (B. Fornberg, Math. Comp. 51 (1988) 699).

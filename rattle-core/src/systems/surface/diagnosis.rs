@@ -115,8 +115,11 @@ impl FailureAt {
         let (gradient, speed, curvature) = self.curvature(departure);
         let reach = departure.h.abs() * curvature * speed;
         if corrections.iter().any(|length| !length.is_finite()) {
+            let guess = departure.point(departure.guess);
+            let (g, gradient) = equation.value_and_gradient(&guess);
+            let singular = if g.to_f64().is_finite() { self.no_normal(&guess, &gradient) } else { None };
             let position = numbers(departure.q);
-            return self.because(StepFailure::ConstraintNotFinite { position });
+            return singular.unwrap_or_else(|| self.because(StepFailure::ConstraintNotFinite { position }));
         }
         let path = dot(&departure.free, &departure.free).to_f64().sqrt();
         if !landing.converged {
