@@ -1,8 +1,10 @@
 //! Brownian motion in lanes: as each trajectory alone but for rounding, with the same random numbers.
 
 use crate::common::{Gravity, Trough};
+use rattle::Error;
 use rattle::effect::Effects;
 use rattle::ensemble::{InstructionSet, NotInLanes};
+use rattle::error::{StepFailure, SurfaceFailure};
 use rattle::prelude::*;
 use rattle::surfaces::{Sphere, Torus};
 
@@ -48,7 +50,7 @@ fn off(a: &State<3>, b: &State<3>) -> f64 {
 }
 
 /// In which step what is said, but for other numbers: these agree to rounding.
-pub(crate) fn words(error: &rattle::Error) -> String {
+pub(crate) fn words(error: &Error) -> String {
     let told = error.to_string();
     let (step, rest) = told.split_once(" (t").unwrap();
     let rest: String = rest.chars().filter(|c| !c.is_ascii_digit() && *c != '-').collect();
@@ -327,4 +329,36 @@ fn pushes_go_alone() {
     let scene = Scene::on(Sphere { r: 1.0 }).with(pushed);
     let plan = scene.ensemble((0..3).map(|_| State::at([0.0, 0.0, 1.0])), method(0.01)).unwrap().plan();
     assert!(plan.alone == 3 && plan.reason != Some(NotInLanes::Method("Brownian motion")), "{plan:?}");
+}
+
+/// Momenta are drawn by the same random numbers, shorter by √h: what is said to be the longest step is.
+#[test]
+fn the_longest_step_is_told() {
+    let scene = Scene::on(Sphere { r: 1.0 });
+    let start = || State::at([0.0, 0.0, 1.0]);
+    let longest = |error: &Error| match error {
+        Error::Step { cause: StepFailure::Surface(SurfaceFailure::StepTooLong { longest, .. }), .. } => {
+            Some(*longest)
+        }
+        _ => None,
+    };
+    let mut failed = 0;
+    for seed in 0..40 {
+        let takes = |h| {
+            let method = Brownian::new(1.0, 1.0, seed, h);
+            let mut ensemble = scene.ensemble([start()], method).unwrap();
+            ensemble.run(1);
+            let in_lanes = ensemble.failures().next().and_then(|(_, error)| longest(error));
+            let alone =
+                scene.simulate(start(), method).unwrap().run(1).err().and_then(|error| longest(&error));
+            assert_eq!(in_lanes.is_some(), alone.is_some(), "h = {h}");
+            assert!(in_lanes.zip(alone).is_none_or(|(a, b)| (a / b - 1.0).abs() < 1e-12));
+            alone
+        };
+        let Some(longest) = takes(0.7) else { continue };
+        failed += 1;
+        assert!(takes(1.01 * longest).is_some(), "{longest}");
+        assert!(takes(0.99 * longest).is_none(), "{longest}");
+    }
+    assert!(failed > 10, "{failed}");
 }

@@ -12,7 +12,7 @@
 //! Source: G. Ciccotti, T. Lelièvre, E. Vanden-Eijnden, Comm. Pure Appl. Math. 61 (2008) 371.
 
 use crate::effect::interval::Half;
-use crate::error::{EffectMistake, Error};
+use crate::error::{EffectMistake, Error, StepFailure, SurfaceFailure};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, Renewal, View, check_step_size};
 use crate::motion::need::Kicks;
@@ -125,6 +125,15 @@ impl Method for Brownian {
     }
 }
 
+/// The same failure, with the step that its momenta need: those that were drawn are shorter by √h in longer steps.
+#[cold]
+fn by_noise(mut failure: Failure) -> Failure {
+    if let StepFailure::Surface(SurfaceFailure::StepTooLong { h, reach, longest, .. }) = &mut failure.cause {
+        *longest = h.abs() / (*reach * *reach);
+    }
+    failure
+}
+
 /// A step of h of a method that draws momenta anew.
 #[inline(always)]
 pub(crate) fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
@@ -145,7 +154,7 @@ pub(crate) fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         stir::take_note(Half::Before, 0.5 * h, system, bodies);
         stir::push(Half::Before, kick, system, bodies)?;
     }
-    system.drift(kick, h, bodies, witness)?;
+    system.drift(kick, h, bodies, witness).map_err(by_noise)?;
     stir::take_note(Half::After, 0.5 * h, system, bodies);
     for (p, low) in bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()) {
         (*p, *low) = (zero, zero);

@@ -22,7 +22,8 @@ pub enum SurfaceFailure {
         curvature: f64,
         /// |v|.
         speed: f64,
-        /// 1/(κ·|v|), an upper limit of |h|; the curvature on the way may require less.
+        /// 1/(κ·|v|), an upper limit of |h|; the curvature on the way may require less. Where v is noise that grows as
+        /// 1/√h, in Brownian motion, 1/(h κ² v²).
         longest: f64,
     },
     /// h·κ·|v| is below 1, but numbers in its computation overflow or underflow.
