@@ -4,7 +4,7 @@
 use rattle::curvature::{GeodesicError, geodesic_distance, points};
 use rattle::nalgebra::{Vector3, vector};
 use rattle::prelude::*;
-use rattle::surfaces::{Cylinder, Ellipsoid, Lemniscate, Sphere, Torus};
+use rattle::surfaces::{Cylinder, Ellipsoid, Gyroid, Lemniscate, Sphere, Torus};
 
 /// What the rounding of some hundred evaluations comes to, as part of the way.
 const ROUNDING: f64 = 1e-13;
@@ -221,4 +221,79 @@ fn what_is_not_found_is_told() {
     let other = geodesic_distance(&sphere, &pole, &-pole).unwrap_err();
     assert!(matches!(other, GeodesicError::NotFound { .. }), "{other}");
     assert!(other.to_string().contains("misses the end of a chord of 2.000e0"), "{other}");
+}
+
+/// Half of the circumference of a torus lies in nobody's straight way: every two points are joined by a geodesic, the
+/// same from both sides, and no way over a third point is shorter, but by the tenth that geodesics near chords may be
+/// longer than others. Of the lemniscate and the gyroid as well.
+#[test]
+fn any_two_points() {
+    fn check<C: Constraint<3, 1>>(name: &str, surface: &C, half: f64, seed: u64) {
+        let places = points::uniform(surface, [-half; 3], [half; 3], 9, seed).unwrap();
+        let between = |i: usize, j: usize| {
+            let way = geodesic_distance(surface, &places[i], &places[j]).unwrap();
+            let back = geodesic_distance(surface, &places[j], &places[i]).unwrap();
+            assert!(back.distance == way.distance && back.from == -way.to && back.to == -way.from, "{name}");
+            assert!(way.distance >= (places[i] - places[j]).norm(), "{name}: {i}, {j}");
+            way.distance
+        };
+        let number = places.len();
+        let mut distance = vec![vec![0.0; number]; number];
+        for i in 0..number {
+            for j in 0..i {
+                distance[i][j] = between(i, j);
+                distance[j][i] = distance[i][j];
+            }
+        }
+        for (i, row) in distance.iter().enumerate() {
+            for (j, d) in row.iter().enumerate() {
+                for k in 0..number {
+                    let over = row[k] + distance[k][j];
+                    assert!(*d <= over * 1.1, "{name}: {i} to {j} {d}, over {k} {over}");
+                }
+            }
+        }
+    }
+    check("torus", &Torus { major: 1.2, minor: 0.5 }, 1.8, 5);
+    check("lemniscate", &Lemniscate { a: 1.0, r: 1.0 / 6.0 }, 1.3, 6);
+    check("gyroid", &Gyroid { k: 1.0, epsilon: 0.0 }, 3.0, 7);
+}
+
+/// Two places on the faces of a lens, one under the other: their chord is short, and the way goes around the rim, along
+/// a meridian there and back. Shooting from the chord comes to rest on the upper face, above b.
+#[test]
+fn around_the_rim_of_a_lens() {
+    let (a, c) = (1.0, 0.2);
+    let at = |angle: f64, side: f64| vector![a * angle.cos(), 0.0, side * c * angle.sin()];
+    for angle in [0.3, 0.7, 1.1] {
+        let way = geodesic_distance(&Ellipsoid { a, b: a, c }, &at(angle, 1.0), &at(angle, -1.0)).unwrap();
+        // An arc of the ellipse, by Simpson's rule.
+        let n = 2000;
+        let speed = |t: f64| (a * t.sin()).hypot(c * t.cos());
+        let weight = |i: i32| if i == 0 || i == n { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
+        let sum: f64 = (0..=n).map(|i| weight(i) * speed(angle * f64::from(i) / f64::from(n))).sum();
+        let exact = 2.0 * sum * angle / f64::from(3 * n);
+        let off = way.distance - exact;
+        assert!(off.abs() < 1e-12 * exact, "{angle}: {} for {exact}", way.distance);
+    }
+}
+
+/// A way around half of a circle and nearly more; and nothing between spheres that do not touch.
+#[test]
+fn far_around() {
+    let r = 0.8;
+    for phi in [2.6_f64, 3.1] {
+        let (a, b) = (vector![r, 0.0, 0.3], vector![r * phi.cos(), r * phi.sin(), 1.1]);
+        let way = geodesic_distance(&Cylinder { r }, &a, &b).unwrap();
+        let exact = (r * phi).hypot(0.8);
+        assert!((way.distance - exact).abs() < ROUNDING * exact, "{phi}: {:e}", way.distance - exact);
+    }
+    let apart = geodesic_distance(&Two {}, &vector![2.0, 0.0, 1.0], &vector![-2.0, 0.0, 1.0]);
+    assert!(matches!(apart, Err(GeodesicError::NotFound { .. })), "{apart:?}");
+}
+
+constraint! {
+    /// Spheres of radius 1 about (±2, 0, 0).
+    struct Two {}
+    |x, y, z| (abs(x) - 2)^2 + y^2 + z^2 - 1
 }

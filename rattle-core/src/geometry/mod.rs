@@ -1,6 +1,7 @@
 //! Geometry of constraint surfaces: curvatures, distances along them, integrals over closed ones, and random points.
 
 pub mod curvature;
+mod detour;
 pub mod geodesic;
 pub mod integral;
 pub mod points;

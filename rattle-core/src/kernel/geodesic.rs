@@ -11,15 +11,23 @@
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
+use nalgebra::SMatrix;
+use std::array::from_fn;
 
 /// Divisions of a stretch, of which the motion is extrapolated.
 const DIVISIONS: [u32; 9] = [2, 4, 6, 8, 10, 12, 14, 16, 18];
 /// What one division more may change, as part of the way: what is left then is far smaller.
 const CLOSE: f64 = 1e-13;
-/// A stretch is halved no more often.
-const MOST_HALVINGS: u32 = 12;
+/// What rounding may do to a velocity in a stretch, in units of its last digit: below it divisions do not agree.
+const ROUNDING: f64 = 32.0;
+/// Stretches of a motion that are tried.
+const MOST_STRETCHES: usize = 400;
 /// Tries of v.
 const MOST_TRIES: usize = 60;
+/// Tries of a v that leads nearly there.
+const FEW_TRIES: usize = 12;
+/// And no v is longer than this times the first one.
+const LONGER: f64 = 20.0;
 /// A correction is halved so often where it does not lead nearer.
 const SHORTER: usize = 8;
 /// What may be missed in the end, as part of the coordinates and the way, where nothing leads nearer.
@@ -53,71 +61,145 @@ pub(crate) fn shoot<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     a: &[f64; D],
     chord: &[f64; D],
 ) -> Result<Shot<D>, Missed> {
-    let (straight, b) = (length(chord), sum(a, chord));
+    let straight = length(chord);
     if straight == 0.0 {
         return Ok(Shot { distance: 0.0, from: [0.0; D], to: [0.0; D] });
     }
-    let (here, there) = (normal(kernel, a), normal(kernel, &b));
-    let lost = |by: f64, length: f64, tries| Missed { by, length, tries };
-    let along = add_scaled(chord, -dot(chord, &here), &here);
-    let first = (straight * straight - dot(&here, chord) * dot(&there, chord) / 3.0).max(straight * straight);
-    let mut v = scaled(first.sqrt() / length(&along), &along);
-    let floor = 4.0 * f64::EPSILON * (largest(a).max(largest(&b)) + straight);
+    let aim = Aim::new(kernel, a, chord);
+    let along = add_scaled(chord, -dot(chord, &aim.here), &aim.here);
+    let first =
+        (straight * straight - dot(&aim.here, chord) * dot(&aim.there, chord) / 3.0).max(straight * straight);
+    let v = scaled(first.sqrt() / length(&along), &along);
+    let now = aim.look(&v).ok_or(Missed { by: f64::INFINITY, length: length(&v), tries: 1 })?;
+    aim.hit(MOST_TRIES, v, now, from_fn(|i| from_fn(|k| f64::from(u8::from(i == k)))))
+}
 
-    // What v changes by for what is missed.
-    let mut answer: [[f64; D]; D] =
-        std::array::from_fn(|i| std::array::from_fn(|k| f64::from(u8::from(i == k))));
-    let look = |v: &[f64; D]| {
-        let (way, speed) = fly(kernel, a, v)?;
-        let miss = add_scaled(chord, -1.0, &way);
+/// The same from a velocity that leads nearly there, by Newton's method at first: for long ways, whose ends answer in
+/// other directions and by other lengths than those of short ones.
+pub(crate) fn shoot_along<K: ConstraintKernel<f64, D, 1>, const D: usize>(
+    kernel: &K,
+    a: &[f64; D],
+    chord: &[f64; D],
+    v: [f64; D],
+) -> Result<Shot<D>, Missed> {
+    let aim = Aim::new(kernel, a, chord);
+    let lost = Missed { by: f64::INFINITY, length: length(&v), tries: 1 };
+    let now = aim.look(&v).ok_or(lost)?;
+    let answer = aim.answer(&v, &now.1).ok_or(lost)?;
+    aim.hit(FEW_TRIES, v, now, answer)
+}
+
+/// A place to start from, and one to hit.
+struct Aim<'a, K, const D: usize> {
+    kernel: &'a K,
+    a: &'a [f64; D],
+    chord: &'a [f64; D],
+    /// Unit normals at both.
+    here: [f64; D],
+    there: [f64; D],
+    /// The larger of both, in its largest coordinate.
+    size: f64,
+}
+
+/// What a try misses through space, and along the surface, turned back to the start; and its velocity at the end.
+type Try<const D: usize> = ([f64; D], [f64; D], [f64; D]);
+
+impl<'a, K: ConstraintKernel<f64, D, 1>, const D: usize> Aim<'a, K, D> {
+    fn new(kernel: &'a K, a: &'a [f64; D], chord: &'a [f64; D]) -> Self {
+        let b = sum(a, chord);
+        let (here, there) = (normal(kernel, a), normal(kernel, &b));
+        Self { kernel, a, chord, here, there, size: largest(a).max(largest(&b)) }
+    }
+
+    /// Where a velocity leads; none where the motion is not found.
+    fn look(&self, v: &[f64; D]) -> Option<Try<D>> {
+        let Self { here, there, .. } = self;
+        let (way, speed) = fly(self.kernel, self.a, v)?;
+        let miss = add_scaled(self.chord, -1.0, &way);
         // What of it is along the surface at b, back to a.
-        let along = add_scaled(&miss, -dot(&there, &miss), &there);
-        let share = dot(&here, &along) / (1.0 + dot(&here, &there));
-        let back = add_scaled(&along, -share, &sum(&here, &there));
-        let tangent = add_scaled(&back, -dot(&here, &back), &here);
+        let along = add_scaled(&miss, -dot(there, &miss), there);
+        let share = dot(here, &along) / (1.0 + dot(here, there));
+        let back = add_scaled(&along, -share, &sum(here, there));
+        let tangent = add_scaled(&back, -dot(here, &back), here);
         Some((miss, tangent, speed))
-    };
-    let Some(mut now) = look(&v) else { return Err(lost(f64::INFINITY, length(&v), 1)) };
-    for tries in 1..MOST_TRIES {
-        let by = length(&now.0).min(length(&now.1));
-        if length(&now.1) <= floor && length(&now.0) <= 1e-6 * straight + floor {
-            return Ok(shot(&v, &now));
+    }
+
+    /// What v changes by for what is missed, by differences; a velocity along the normal stands for itself.
+    fn answer(&self, v: &[f64; D], missed: &[f64; D]) -> Option<[[f64; D]; D]> {
+        let step = 1e-6 * length(v);
+        let mut columns = SMatrix::<f64, D, D>::zeros();
+        for d in 0..D {
+            let axis: [f64; D] = from_fn(|i| f64::from(u8::from(i == d)));
+            let normal = self.here[d];
+            let along = add_scaled(&axis, -normal, &self.here);
+            let (_, there, _) = self.look(&add_scaled(v, step, &along))?;
+            let change = scaled(-1.0 / step, &add_scaled(&there, -1.0, missed));
+            columns.column_mut(d).copy_from_slice(&add_scaled(&change, normal, &self.here));
         }
-        let mut step: [f64; D] = std::array::from_fn(|i| dot(&answer[i], &now.1));
-        let mut next = None;
-        for _ in 0..SHORTER {
-            let tried = sum(&v, &step);
-            let found = look(&tried);
-            if let Some(found) = found {
-                // vᵢ answers to what is missed as by the last step.
-                let change = add_scaled(&found.1, -1.0, &now.1);
-                let told: [f64; D] = std::array::from_fn(|i| dot(&answer[i], &change));
-                let against: [f64; D] =
-                    std::array::from_fn(|k| (0..D).map(|i| step[i] * answer[i][k]).sum::<f64>());
-                let product = dot(&step, &told);
-                if product.abs() > 1e-8 * dot(&step, &step) {
-                    for i in 0..D {
-                        answer[i] = add_scaled(&answer[i], -(step[i] + told[i]) / product, &against);
+        let answer = columns.try_inverse()?;
+        Some(from_fn(|i| from_fn(|k| answer[(i, k)])))
+    }
+
+    /// Corrects a velocity until it hits, by Broyden's method.
+    fn hit(
+        &self,
+        most: usize,
+        mut v: [f64; D],
+        mut now: Try<D>,
+        mut answer: [[f64; D]; D],
+    ) -> Result<Shot<D>, Missed> {
+        let straight = length(self.chord);
+        let lost = |by: f64, length: f64, tries| Missed { by, length, tries };
+        let longest = LONGER * length(&v);
+        for tries in 1..most {
+            let size = self.size + straight.max(length(&v));
+            let floor = 4.0 * f64::EPSILON * size;
+            // What is missed across the surface is of second order in what is missed along it, unless b is elsewhere.
+            let there = length(&now.0) <= 1e-6 * straight + floor;
+            if there && length(&now.1) <= floor {
+                return Ok(shot(&v, &now));
+            }
+            let mut step: [f64; D] = from_fn(|i| dot(&answer[i], &now.1));
+            let mut next = None;
+            for _ in 0..SHORTER {
+                let tried = sum(&v, &step);
+                if length(&tried) <= longest
+                    && let Some(found) = self.look(&tried)
+                {
+                    // vᵢ answers to what is missed as by the last step.
+                    let change = add_scaled(&found.1, -1.0, &now.1);
+                    let told: [f64; D] = from_fn(|i| dot(&answer[i], &change));
+                    let against: [f64; D] = from_fn(|k| (0..D).map(|i| step[i] * answer[i][k]).sum::<f64>());
+                    let product = dot(&step, &told);
+                    if product.abs() > 1e-8 * dot(&step, &step) {
+                        for i in 0..D {
+                            answer[i] = add_scaled(&answer[i], -(step[i] + told[i]) / product, &against);
+                        }
+                    }
+                    let nearer = if there {
+                        length(&found.1) < length(&now.1)
+                    } else {
+                        length(&found.0) < length(&now.0)
+                    };
+                    if nearer {
+                        next = Some((tried, found));
+                        break;
                     }
                 }
-                if length(&found.1) < length(&now.1) {
-                    next = Some((tried, found));
-                    break;
-                }
+                step = scaled(0.5, &step);
             }
-            step = scaled(0.5, &step);
+            match next {
+                Some((better, found)) => (v, now) = (better, found),
+                None if there && length(&now.1) <= MISSED * size => return Ok(shot(&v, &now)),
+                None => return Err(lost(length(&now.0), length(&v), tries + 1)),
+            }
         }
-        match next {
-            Some((better, found)) => (v, now) = (better, found),
-            None if by <= MISSED * (largest(a).max(largest(&b)) + straight) => return Ok(shot(&v, &now)),
-            None => return Err(lost(by, length(&v), tries + 1)),
-        }
+        Err(lost(length(&now.0), length(&v), most))
     }
-    Err(lost(length(&now.1), length(&v), MOST_TRIES))
 }
 
 /// The geodesic of a try: what it missed along its way belongs to its length, by the first variation.
-fn shot<const D: usize>(v: &[f64; D], (miss, _, speed): &([f64; D], [f64; D], [f64; D])) -> Shot<D> {
+fn shot<const D: usize>(v: &[f64; D], (miss, _, speed): &Try<D>) -> Shot<D> {
     let unit = |v: &[f64; D]| scaled(1.0 / length(v), v);
     let (from, to) = (unit(v), unit(speed));
     Shot { distance: length(v) + dot(&to, miss), from, to }
@@ -132,17 +214,15 @@ fn fly<K: ConstraintKernel<f64, D, 1>, const D: usize>(
 ) -> Option<([f64; D], [f64; D])> {
     let (mut time, mut h, mut now) = (0.0, 1.0, ([0.0; D], *v));
     let close = CLOSE * length(v);
-    let mut halvings = 0;
-    while time < 1.0 {
-        if let Some(then) = stretch(kernel, a, &now, h, close) {
-            (time, now) = (time + h, then);
-        } else if halvings < MOST_HALVINGS {
-            (h, halvings) = (0.5 * h, halvings + 1);
-        } else {
-            return None;
+    for _ in 0..MOST_STRETCHES {
+        match stretch(kernel, a, &now, h, close) {
+            Some(then) if time + h == 1.0 => return Some(then),
+            // Powers of 2, so that the end is met.
+            Some(then) => (time, now, h) = (time + h, then, (2.0 * h).min(1.0 - time - h)),
+            None => h *= 0.5,
         }
     }
-    Some(now)
+    None
 }
 
 /// A stretch of the motion; none where the extrapolation does not come close.
@@ -162,6 +242,7 @@ fn stretch<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         (add_scaled(&y.0, c, &f.0), add_scaled(&y.1, c, &f.1))
     };
     let at_start = rate(start);
+    let floor = ROUNDING * f64::EPSILON * length(&start.1);
     let (mut row, mut last) = ([([0.0; D], [0.0; D]); DIVISIONS.len()], None);
     for (k, &division) in DIVISIONS.iter().enumerate() {
         let part = h / f64::from(division);
@@ -181,7 +262,7 @@ fn stretch<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         // Against the best of the divisions before; neighbours in a row agree by chance.
         let off = last.map_or(f64::INFINITY, |last| distance(&found, &last));
         row[k] = found;
-        if off <= close * h {
+        if off <= (close * h).max(floor) {
             return Some(found);
         }
         last = Some(found);
@@ -194,7 +275,7 @@ fn distance<const D: usize>(a: &([f64; D], [f64; D]), b: &([f64; D], [f64; D])) 
 }
 
 /// |v|.
-fn length<const D: usize>(v: &[f64; D]) -> f64 {
+pub(crate) fn length<const D: usize>(v: &[f64; D]) -> f64 {
     dot(v, v).sqrt()
 }
 
