@@ -327,3 +327,39 @@ fn what_makes_no_sense_is_refused() {
     assert!(told(field.charges([1.0, f64::NAN])).contains("a charge must be finite, found NaN"));
     assert!(told(MagneticField::new([f64::INFINITY, 0.0, 0.0])).contains("must be finite"));
 }
+
+constraint! {
+    /// The floor of a lift, with speed and acceleration.
+    struct Lift { u, a }
+    |_x, y, t| y - u * t - a * t^2 / 2
+}
+
+/// A lift carries its load without friction: at a constant speed the load slides as on the ground, and comes to rest
+/// there; N grows by the acceleration.
+#[test]
+fn friction_in_a_lift() {
+    let (mu, g, mass, v) = (0.1, 9.81, 2.5, 3.0);
+    for (u, a) in [(0.0, 0.0), (1.0, 0.0), (10.0, 0.0), (-3.0, 2.0), (0.0, -4.0)] {
+        let scene = Scene::point()
+            .link_moving(Lift { u, a }, [[0]])
+            .masses([mass])
+            .with(rattle::potentials::planar::weights(g, [mass]))
+            .with(DryFriction { coefficient: mu });
+        let start = State::at([0.0, 0.0]).with_momenta([[v * mass, u * mass]]);
+        let mut simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
+        let slows = mu * (g + a);
+        let end = v / slows;
+        simulation.run_until(0.5 * end).unwrap();
+        let t = simulation.time();
+        let (x, p) = (v * t - 0.5 * slows * t * t, mass * (v - slows * t));
+        assert!(
+            (simulation.position().x - x).abs() < 1e-12,
+            "u = {u}, a = {a}: {} for {x}",
+            simulation.position().x
+        );
+        assert!((simulation.momentum().x - p).abs() < 1e-12, "u = {u}, a = {a}");
+        simulation.run_until(end + 1.0).unwrap();
+        let (x, p) = (simulation.position().x, simulation.momentum().x);
+        assert!((x - 0.5 * v * end).abs() < 1e-3 && p.abs() < 1e-13, "u = {u}, a = {a}: {x}, {p}");
+    }
+}

@@ -18,6 +18,8 @@ mod gas;
 mod geodesics;
 #[path = "../heat.rs"]
 mod heat;
+#[path = "../impacts.rs"]
+mod impacts;
 #[path = "../pair_potentials.rs"]
 mod pair_potentials;
 #[path = "../particles.rs"]

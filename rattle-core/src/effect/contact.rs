@@ -4,10 +4,12 @@
 //! ```text
 //! gap(q) ≥ 0                                positive while apart
 //! p⁺ = p + J w,   w = P ∇gap                P makes momenta those of motion along the constraints
-//! J  = −(1 + e) (w·M⁻¹p) / (w·M⁻¹w)         the rate of the gap turns round, times the restitution e
+//! J  = −(1 + e) (∇gap·M⁻¹p) / (∇gap·M⁻¹w)   the rate of the gap turns round, times the restitution e
 //! ```
 //!
 //! With e = 1 this is a reflection in the metric M⁻¹, which conserves kinetic energy; with e = 0 the gap stops closing.
+//! Constraints that move with time, like a piston, give or take energy meanwhile, and so do links that act along other
+//! directions than their gradients.
 //! Source: B. Brogliato, *Nonsmooth Mechanics*, 2016, chapter 4.
 
 use crate::error::{Error, NetworkMistake};

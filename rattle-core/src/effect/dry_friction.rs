@@ -20,7 +20,8 @@ use crate::number::vector::{add_scaled, dot, scaled, sum};
 /// A body that comes to rest stays at its place, to the last bit: friction then cancels exactly the forces of the next
 /// step. Of second order while a body slides. The surface holds a body from both sides, so N has no sign: N = |f·n +
 /// κv²|, with the force f and the curvature κ of the path. For linked bodies N is the size of the force of all links on
-/// the body. The mass of each body must be a number.
+/// the body. Where links move, v is what is left without the motion that they impose: what a lift carries up does not
+/// slide; where they are curved too, friction is of first order. The mass of each body must be a number.
 ///
 /// ```
 /// use rattle::effect::DryFriction;
@@ -59,7 +60,11 @@ impl<const D: usize> Flow<D> for DryFriction {
             scaled(T::select(impulse.lt(size), one - impulse / size, zero), p)
         };
         let forces = during.rates.iter().zip(during.holding).zip(during.coming);
-        for ((change, p), ((rate, holding), coming)) in changes.iter_mut().zip(during.momenta).zip(forces) {
+        for (body, ((change, p), ((rate, holding), coming))) in
+            changes.iter_mut().zip(during.momenta).zip(forces).enumerate()
+        {
+            // Along links that move: with what they impose a body does not slide.
+            let p = &during.led.get(body).map_or(*p, |led| add_scaled(p, -one, led));
             // N at the middle of the flow: its part that answers forces stays, that of the curvature goes with v².
             let (size, force) = (length(p), add_scaled(rate, -one, holding));
             let square = dot(holding, holding);
@@ -67,6 +72,8 @@ impl<const D: usize> Flow<D> for DryFriction {
             let at_rest = scaled(share, holding);
             let half = slowed(p, T::from_f64(0.5) * mu * length(holding) * h);
             let left = T::select(zero.lt(size), dot(&half, &half) / dot(p, p), zero);
+            // Where links move, the rest of N may be their acceleration.
+            let left = if during.led.is_empty() { left } else { one };
             let curved = add_scaled(holding, -one, &at_rest);
             let impulse = mu * length(&add_scaled(&at_rest, left, &curved)) * h;
 

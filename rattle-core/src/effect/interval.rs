@@ -30,6 +30,9 @@ pub struct Interval<'a, T, const D: usize> {
     pub coming: &'a [[T; D]],
     /// The part of the kinetic energy that moving links impose on the bodies.
     pub imposed: T,
+    /// The momenta that moving links impose, those of the least kinetic energy: what is left of momenta without them is
+    /// motion along the links. Empty where none move.
+    pub led: &'a [[T; D]],
     /// The masses.
     pub inertia: &'a dyn Inertia<T, D>,
     /// The surfaces, one for each body; `None` in other scenes.

@@ -96,8 +96,9 @@ impl<const D: usize> Point<D> {
             let off = g / square * square.sqrt();
             let share = (reach / off.abs()).min(1.0); // not all at once where the gradient is small
             q = add_scaled(&q, -share * g / square, &gradient);
-            if !(apart(&q, from) <= 2.0 * reach) {
-                return None; // also where it is not a number
+            let away = apart(&q, from);
+            if away > 2.0 * reach || away.is_nan() {
+                return None;
             }
             if off.abs() <= 1e-9 * reach {
                 return (apart(&q, from) <= reach).then(|| Self::at(kernel, q));
@@ -161,7 +162,7 @@ impl<'a, K: ConstraintKernel<f64, D, 1>, const D: usize> Graph<'a, K, D> {
         for first in 0..self.points.len() {
             let whole = ahead[first] + back[first];
             let goes_through = first != 0 && after[before[first]] == first;
-            if goes_through || !(whole <= LONGER * shortest) {
+            if goes_through || whole > LONGER * shortest {
                 continue;
             }
             let mut last = first;

@@ -10,10 +10,16 @@ use crate::number::vector::add_scaled;
 /// What is checked about a step of a [`System`](crate::motion::system::System). The defaults are those of a system
 /// whose constraints have no kinks, no singular points and no other sheets.
 pub trait Guarded<T: Scalar, const D: usize>: Affected<T, D> {
+    /// Whether constraints act along their own gradients, and so do no work where they do not move.
+    #[inline(always)]
+    fn pulls_along_normals(&self) -> bool {
+        true
+    }
+
     /// Whether the energy changes by the work that is booked alone: no flows, and constraints that do none.
     #[inline(always)]
     fn keeps_energy(&self) -> bool {
-        Self::FLOWS == 0 && !self.moves_with_time()
+        Self::FLOWS == 0 && !self.moves_with_time() && self.pulls_along_normals()
     }
 
     /// Checks whether the normal of a constraint jumps between the saved and the present positions. Does nothing where

@@ -105,6 +105,8 @@ pub struct Given<'a, T, const D: usize> {
     pub coming: &'a [[T; D]],
     /// The kinetic energy imposed by moving constraints.
     pub imposed: T,
+    /// The momenta that they impose; none where no constraint moves.
+    pub led: &'a [[T; D]],
     /// Random numbers.
     pub noise: Noise,
 }
@@ -113,7 +115,7 @@ impl<'a, T: Scalar, const D: usize> Given<'a, T, D> {
     /// For so long, before a step or after it, with nothing laid beside.
     pub(crate) fn of(h: f64, before: bool, noise: Noise) -> Self {
         let imposed = T::from_f64(0.0);
-        Self { h, before, velocities: &[], rates: &[], holding: &[], coming: &[], imposed, noise }
+        Self { h, before, velocities: &[], rates: &[], holding: &[], coming: &[], imposed, led: &[], noise }
     }
 
     /// With the rest of an [`Interval`]: what bodies are asked for, their masses, surfaces, and how they are coupled.
@@ -124,7 +126,7 @@ impl<'a, T: Scalar, const D: usize> Given<'a, T, D> {
         surface: Option<&'a dyn Normals<T, D>>,
         (tied, freedom): (bool, usize),
     ) -> Interval<'a, T, D> {
-        let Self { h, before, velocities, rates, holding, coming, imposed, noise } = self;
+        let Self { h, before, velocities, rates, holding, coming, imposed, led, noise } = self;
         Interval {
             h,
             before,
@@ -135,6 +137,7 @@ impl<'a, T: Scalar, const D: usize> Given<'a, T, D> {
             holding,
             coming,
             imposed,
+            led,
             inertia,
             surface,
             marks,

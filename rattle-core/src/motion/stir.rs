@@ -191,6 +191,7 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
             given.imposed =
                 still.iter().enumerate().map(energy).fold(T::from_f64(0.0), |sum, part| sum + part);
         }
+        given.led = if system.constraints_move() { still } else { &[] };
         if self.feels {
             system.evaluate_forces(bodies); // a method may have left those of another place
             middle.copy_from_slice(velocities);

@@ -18,9 +18,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// gap is searched for a zero wherever its tangents at the two ends of a step meet below zero (see [`Contacts`]).
     ///
     /// Impulses respect constraints and masses. Elastic impulses conserve the kinetic energy to rounding; the energy
-    /// lost in others counts as negative [`work`](Self::work). [`events`](Self::events) counts impacts. Where a contact
-    /// would stay closed, like that of a ball at rest on a floor, the step fails with
-    /// [`StepFailure::Rests`](crate::error::StepFailure::Rests).
+    /// lost in others counts as negative [`work`](Self::work), and what moving constraints do in an impact as work.
+    /// [`StepFailure::NoWayApart`](crate::error::StepFailure::NoWayApart) where constraints let nobody part.
+    /// [`events`](Self::events) counts impacts. Where a contact would stay closed, like that of a ball at rest on a
+    /// floor, the step fails with [`StepFailure::Rests`](crate::error::StepFailure::Rests).
     ///
     /// Contacts are not part of a [`State`](crate::motion::state::State): call `collide` again after a restart. In a
     /// step with events [`retry`](Self::retry) divides the parts between events, and

@@ -444,6 +444,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
                 failure.cause,
                 StepFailure::Surface(SurfaceFailure::StepTooLong { .. } | SurfaceFailure::OutOfScale { .. })
                     | StepFailure::Rests { .. }
+                    | StepFailure::NoWayApart { .. }
             )
         {
             self.look_for_kinks(failure);

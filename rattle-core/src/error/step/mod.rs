@@ -110,6 +110,17 @@ pub enum StepFailure {
         /// The restitution.
         restitution: f64,
     },
+    /// Constraints leave no momentum by which bodies could give way at a contact.
+    #[error(
+        "the contact `{contact}` of bodies {bodies:?} closes, and constraints leave them no way to part: let them move along \
+         the gradient of the gap"
+    )]
+    NoWayApart {
+        /// The contact.
+        contact: &'static str,
+        /// Its bodies.
+        bodies: Vec<usize>,
+    },
     /// The constraint function, or what follows from it, is NaN or infinite where the solver evaluated it.
     #[error(
         "the constraint is not a number near q = {position:?}; the step left the domain of its expression, or came to a point \

@@ -59,8 +59,11 @@ fn impact<Y: System<f64, D>, S: Method, const D: usize>(
         *p = sum(p, gradient);
     }
     system.settle(0.0, 1.0, bodies, &mut ())?;
+    // Momenta along constraints that rest, and give way along their normals: ∇gap·v is w·v, to the last bit.
+    let plain = !moves && system.pulls_along_normals();
     // The same few places are met again and again: the last bit of an impulse would not average out.
     let (mut along, mut square) = (Twofold::default(), Twofold::default());
+    let (mut closes, mut answer) = (Twofold::default(), Twofold::default());
     let inertia = system.inertia();
     for body in 0..bodies.p.as_ref().len() {
         let mut w = bodies.p.as_ref()[body];
@@ -72,15 +75,28 @@ fn impact<Y: System<f64, D>, S: Method, const D: usize>(
             w = [0.0; D];
         }
         bodies.p.as_mut()[body] = w;
+        let gradient = meetings.gradient.iter().find(|of| of.0 == body).map_or([0.0; D], |of| of.1);
         let (p, p_low) = (before.p.as_ref()[body], before.p_low.as_ref()[body]);
         for (i, column) in inverse_mass(inertia, body).iter().enumerate() {
             let v = column.iter().zip(&w).fold(Twofold::default(), |v, (m, w)| v.plus_product(*m, *w));
             along = along.plus_multiple(p[i], v).plus_product(p_low[i], v.high);
             square = square.plus_multiple(w[i], v);
+            if !plain {
+                let u =
+                    column.iter().zip(&gradient).fold(Twofold::default(), |u, (m, n)| u.plus_product(*m, *n));
+                closes = closes.plus_multiple(p[i], u).plus_product(p_low[i], u.high);
+                answer = answer.plus_multiple(w[i], u);
+            }
         }
     }
+    if plain {
+        (closes, answer) = (along, square);
+    }
+    if answer.high <= 0.0 {
+        return Err(meetings.gives_no_way(which).into());
+    }
     let e = meetings.kinds[which.kind].restitution();
-    let ratio = along.over(square);
+    let ratio = closes.over(answer);
     let impulses = [ratio.high, e * ratio.high, ratio.low, e * ratio.low]; // their sum, turned round
     for body in 0..bodies.p.as_ref().len() {
         let (p, p_low) = (before.p.as_ref()[body], before.p_low.as_ref()[body]);
@@ -92,6 +108,12 @@ fn impact<Y: System<f64, D>, S: Method, const D: usize>(
         (bodies.p.as_mut()[body], bodies.p_low.as_mut()[body]) =
             two_sum(&after.map(|p| p.high), &after.map(|p| p.low));
     }
-    bodies.work = before.work - 0.5 * (1.0 - e * e) * along.high * ratio.high;
+    // J w·v + J² w·M⁻¹w/2, where constraints give or take what the gap does not lose.
+    let impulse = (1.0 + e) * ratio.high;
+    let lost = match plain {
+        true => 0.5 * (1.0 - e * e) * along.high * ratio.high,
+        false => impulse * (along.high - 0.5 * impulse * square.high),
+    };
+    bodies.work = before.work - lost;
     Ok(())
 }

@@ -179,6 +179,16 @@ impl<const D: usize> Meetings<D> {
         Failure { body, cause: StepFailure::Rests { contact, bodies, impacts: self.impacts, restitution } }
     }
 
+    /// The failure of the contact that was looked at last, of whose bodies constraints let none part.
+    #[cold]
+    pub(super) fn gives_no_way(&self, which: WhichContact) -> Failure {
+        let (contact, bodies) = (self.kinds[which.kind].name(), self.touched());
+        Failure {
+            body: bodies.first().copied().unwrap_or(0),
+            cause: StepFailure::NoWayApart { contact, bodies },
+        }
+    }
+
     /// The contact that seems to close first in a stretch of this length, at the end of which bodies are.
     pub(super) fn suspect<Y: System<f64, D>, S: Method>(
         &mut self,

@@ -109,9 +109,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Parts<f64, D> for Linked<F, N,
 }
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Guarded<f64, D> for Linked<F, N, D> {
-    fn keeps_energy(&self) -> bool {
-        let acting = || self.shape.components.iter().any(|component| component.rows.acting);
-        F::FLOWS == 0 && !self.moves_with_time() && !acting()
+    fn pulls_along_normals(&self) -> bool {
+        !self.shape.components.iter().any(|component| component.rows.acting)
     }
 
     fn check_kinks(&self, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> Result<(), Failure> {
