@@ -233,3 +233,26 @@ fn senseless_wishes_are_refused() {
     let prices = slow.price(&scene.start, 5.0).budget(0.05).clock(clock).measure().unwrap();
     assert!(prices.refused.iter().any(|refused| matches!(refused.why, Some(Error::CannotMove { .. }))));
 }
+
+/// A state on the way is as good a start as the first one: errors count from there. Others are refused.
+#[test]
+fn errors_are_estimated_from_any_state_of_the_run() {
+    let scene = Scene::on(rattle::surfaces::Sphere { r: 1.0 });
+    let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
+    let h = 0.02;
+    let mut run = scene.simulate(start.clone(), Rattle::new(h)).unwrap();
+    run.run(100).unwrap();
+    let middle = run.state();
+    run.run(300).unwrap();
+    // A step takes the angle arcsin h on a great circle, h³/6 too much.
+    for (from, steps) in [(&start, 400.0), (&middle, 300.0)] {
+        let (estimate, truth) = (run.estimate_error(from).unwrap(), steps * h * h * h / 6.0);
+        assert!((estimate.position / truth - 1.0).abs() < 0.01, "{estimate} for {truth:e}");
+    }
+    let other = |start: &State<3>| {
+        matches!(run.estimate_error(start), Err(Error::Price(PriceMistake::OtherStart { .. })))
+    };
+    assert!(other(&start.clone().at_time(0.5)) && other(&middle.clone().after_steps(50)) && !other(&middle));
+    let none = run.estimate_error(&run.state());
+    assert!(matches!(none, Err(Error::Price(PriceMistake::NotPositive { .. }))), "{none:?}");
+}

@@ -36,6 +36,20 @@ pub enum PriceMistake {
         /// The effect.
         effect: &'static str,
     },
+    /// A start from which the simulation did not run.
+    #[error(
+        "{steps} steps from the start at t = {start} end at t = {end}, and it is t = {now}: give a state of this simulation"
+    )]
+    OtherStart {
+        /// The time of the start.
+        start: f64,
+        /// Steps behind the present state, by what both count.
+        steps: u64,
+        /// The time at their end.
+        end: f64,
+        /// The present time.
+        now: f64,
+    },
     /// No method reaches the wanted error.
     #[error("an error of {wish:.1e} {what} cannot be had: the best is {best:.1e}, by {method}; {limit}")]
     Unreachable {

@@ -48,7 +48,8 @@ impl fmt::Display for Estimate {
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// Estimates the error of the present positions, for a simulation that ran from `start` until now. Fixed-step
+    /// Estimates the error of the present positions, for a simulation that ran from `start` until now: its first state,
+    /// or a [`state`](Self::state) on the way, from where errors are then counted. Fixed-step
     /// methods are compared with runs with steps twice and four times as long, which together take three quarters of
     /// the time of the simulation; adaptive methods with one run at a hundredth of the tolerance. Where motion is
     /// chaotic and the error has grown to the size of the motion, the estimate has that size.
@@ -66,8 +67,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     ///
     /// # Errors
-    /// That of the first comparison run that fails; [`Error::Price`] where no step was taken, or steps draw random
-    /// numbers; [`Error::BodyCount`] for a start with another number of bodies.
+    /// That of the first comparison run that fails; [`Error::Price`] where no step was taken, steps draw random numbers,
+    /// or `start` is not one from which so many steps lead to the present time; [`Error::BodyCount`] for a start with another number of bodies.
     #[doc(alias = "accuracy")]
     #[doc(alias = "convergence")]
     #[doc(alias = "Richardson extrapolation")]
@@ -83,37 +84,37 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         if start.len() != self.bodies() {
             return Err(Error::BodyCount { scene: self.bodies(), state: start.len() });
         }
-        positive("number of steps taken", self.steps as f64)?;
+        let steps = self.steps_since(start)?;
         if S::DRAWS {
             return Err(Error::Price(PriceMistake::Random { effect: self.method.name() }));
         }
         let begun = clock.now();
         if let Some(finer) = self.method.with_tolerance_times(0.01) {
-            let exact = self.other(start, finer, self.steps)?;
+            let exact = self.other(start, finer, steps)?;
             let energy = (self.energy() - exact.energy()).abs();
             let position = self.apart(&exact).max(self.rounding());
-            return Ok(Estimate {
-                position,
-                energy,
-                order: None,
-                steps: self.steps,
-                seconds: clock.now() - begun,
-            });
+            return Ok(Estimate { position, energy, order: None, steps, seconds: clock.now() - begun });
         }
-        let twice = self.coarser(start, 2)?;
+        let twice = self.coarser(start, steps, 2)?;
         let first = self.apart(&twice);
         let energy = (self.energy() - twice.energy()).abs();
         let most = 2_f64.powi(self.method.order() as i32);
-        let (mut gain, mut steps, mut order) = (most, twice.steps, None);
-        if let Ok(fourfold) = self.coarser(start, 4) {
-            steps += fourfold.steps;
+        let (mut gain, mut others, mut order) = (most, twice.steps, None);
+        if let Ok(fourfold) = self.coarser(start, steps, 4) {
+            others += fourfold.steps;
             if first > 0.0 {
                 gain = (twice.apart(&fourfold) / first).clamp(2.0, most);
                 order = Some(gain.log2());
             }
         }
         let position = (first / (gain - 1.0)).max(self.rounding());
-        Ok(Estimate { position, energy: energy / (gain - 1.0), order, steps, seconds: clock.now() - begun })
+        Ok(Estimate {
+            position,
+            energy: energy / (gain - 1.0),
+            order,
+            steps: others,
+            seconds: clock.now() - begun,
+        })
     }
 
     /// By how much a position is rounded.
@@ -121,10 +122,22 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         0.5 * f64::EPSILON * self.positions().map(|q| q.amax()).fold(0.0, f64::max)
     }
 
-    /// A run from this start to the same time, with steps so many times as long.
-    fn coarser(&self, start: &State<D>, times: u64) -> Result<Self, Error> {
-        let steps = (self.steps / times).max(1);
-        let h = self.step_size() * self.steps as f64 / steps as f64;
+    /// How many steps were taken since this state.
+    fn steps_since(&self, start: &State<D>) -> Result<u64, Error> {
+        let steps = self.first.step.wrapping_add(self.steps).wrapping_sub(start.steps());
+        let (h, now) = (self.step_size(), self.time());
+        let (way, end) = (steps as f64 * h, start.time() + steps as f64 * h);
+        let same = (end - now).abs() <= 1e-9 * way.abs() + 4.0 * f64::EPSILON * now.abs();
+        if self.method.time_taken(self.memory.as_ref()).is_none() && !same {
+            return Err(Error::Price(PriceMistake::OtherStart { start: start.time(), steps, end, now }));
+        }
+        positive("number of steps taken", steps as f64).map(|_| steps)
+    }
+
+    /// A run from this start to the same time, which is so many steps away, with steps so many times as long.
+    fn coarser(&self, start: &State<D>, whole: u64, times: u64) -> Result<Self, Error> {
+        let steps = (whole / times).max(1);
+        let h = self.step_size() * whole as f64 / steps as f64;
         self.other(start, self.method.with_step(h), steps)
     }
 
