@@ -18,6 +18,8 @@ mod gas;
 mod geodesics;
 #[path = "../heat.rs"]
 mod heat;
+#[path = "../heat_divided.rs"]
+mod heat_divided;
 #[path = "../impacts.rs"]
 mod impacts;
 #[path = "../pair_potentials.rs"]

@@ -90,6 +90,11 @@ impl Map for KickDriftHeat {
         self.inner as usize
     }
 
+    fn finer(&self, times: u32) -> Option<Self> {
+        let inner = self.inner.checked_mul(times)?;
+        (inner <= MOST_INNER).then_some(Self { inner })
+    }
+
     fn check(&self, _: usize) -> Result<(), Error> {
         check_inner_steps(Self::NAME, self.inner)
     }

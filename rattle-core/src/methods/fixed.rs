@@ -77,6 +77,11 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
         Vec::new()
     }
 
+    /// As [`Method::finer`].
+    fn finer(&self, _times: u32) -> Option<Self> {
+        None
+    }
+
     /// Checks that the map makes sense for a system with this number of equations.
     ///
     /// # Errors
@@ -149,6 +154,9 @@ impl<M: Map> Method for Fixed<M> {
     }
     fn with_step(&self, h: f64) -> Self {
         Self { map: self.map.clone(), h }
+    }
+    fn finer(&self, times: u32) -> Option<Self> {
+        Some(Self { map: self.map.finer(times)?, h: self.h })
     }
     fn is_symmetric(&self) -> bool {
         M::SYMMETRIC

@@ -31,8 +31,8 @@ const WEIGHTS: [f64; 3] = [1.351_207_191_959_657_8, -1.702_414_383_919_315_5, 1.
 /// RATTLE with a Nosé–Hoover chain of three, second order.
 ///
 /// The heat given to the bodies counts as [work](crate::run::simulation::Simulation::work), so the energy error is that
-/// of RATTLE. The sum of the energies of the bodies and of the [bath](Self::bath_energy) is conserved. Where a step is
-/// divided, by [`retry`](crate::run::simulation::Simulation::retry), the bath starts again.
+/// of RATTLE. The sum of the energies of the bodies and of the [bath](Self::bath_energy) is conserved. Steps are not
+/// divided by [`retry`](crate::run::simulation::Simulation::retry).
 ///
 /// ```
 /// use rattle::potentials::{Gravity, LennardJones};

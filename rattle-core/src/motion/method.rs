@@ -55,6 +55,12 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// The method's name, as in the literature.
     fn name(&self) -> &'static str;
 
+    /// The same step with so many times as many steps of free motion between its kicks, and the same random numbers;
+    /// none where a method has no such. For those that have [flows](Self::STIRS) act inside their step.
+    fn finer(&self, _times: u32) -> Option<Self> {
+        None
+    }
+
     /// The same method with another step size, which may be negative.
     #[must_use]
     fn with_step(&self, h: f64) -> Self;
@@ -276,6 +282,18 @@ impl Stage {
         let stages: Vec<_> = stages.iter().map(part).collect();
         let whole = stages.iter().map(|stage| stage.h).sum();
         (stages, whole)
+    }
+
+    /// The same kicks, with each drift between them in so many equal parts.
+    pub(crate) fn finer(stages: &[Self], times: u32) -> Vec<Self> {
+        let part = |&Self { before, h, after }: &Self| {
+            (1..=times).map(move |i| Self {
+                before: if i == 1 { before } else { 0.0 },
+                h: h / f64::from(times),
+                after: if i == times { after } else { 0.0 },
+            })
+        };
+        stages.iter().flat_map(part).collect()
     }
 }
 

@@ -35,6 +35,12 @@ const MOST_ITERATIONS: usize = 100;
 /// that is stiff along the normals of many constraints.
 const SETTLED: f64 = 1e-8;
 
+/// Whether flows draw random numbers. A step in parts has those of the whole step: parts that drew their own would
+/// favour the numbers that need no parts.
+pub(crate) fn draws<T: Scalar, Y: System<T, D>, const D: usize>(system: &Y) -> bool {
+    (0..Y::FLOWS).any(|number| system.effects().manner(number).0.rule == Rule::Random)
+}
+
 /// One step of the method; of a system with flows between two halves of them, unless the method has them act itself.
 #[inline(always)]
 pub(crate) fn step<S: Method, T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(

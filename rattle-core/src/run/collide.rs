@@ -3,6 +3,7 @@
 use crate::effect::contact::Contacts;
 use crate::error::Error;
 use crate::motion::method::Method;
+use crate::motion::stir::draws;
 use crate::motion::system::System;
 use crate::run::events::{Events, Search};
 use crate::run::simulation::Simulation;
@@ -22,6 +23,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// [`StepFailure::NoWayApart`](crate::error::StepFailure::NoWayApart) where constraints let nobody part.
     /// [`events`](Self::events) counts impacts. Where a contact would stay closed, like that of a ball at rest on a
     /// floor, the step fails with [`StepFailure::Rests`](crate::error::StepFailure::Rests).
+    ///
+    /// Random forces act before the whole step and after it, whatever happens between: a contact does not choose among
+    /// them. By `Baoab`, which has them in the middle, nothing collides where they are.
     ///
     /// Contacts are not part of a [`State`](crate::motion::state::State): call `collide` again after a restart. In a
     /// step with events [`retry`](Self::retry) divides the parts between events, and
@@ -97,6 +101,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         }
         if let Some(why) = self.method.undivided() {
             return Err(Error::NoEvents { who: method, why });
+        }
+        if const { S::STIRS } && draws(&self.system) {
+            return Err(Error::NoEvents {
+                who: method,
+                why: "random forces act in the middle of its steps; by Rattle they act before and after them",
+            });
         }
         if self.method.time_taken(self.memory.as_ref()).is_some() {
             return Err(Error::NoEvents { who: method, why: "it chooses the lengths of its steps" });

@@ -1,5 +1,6 @@
 //! Simulations: a scene in motion.
 
+use crate::effect::interval::Half;
 use crate::effect::noise::Noise;
 use crate::error::{Error, StepFailure, SurfaceFailure};
 use crate::methods::able::{no_way_back, view};
@@ -9,7 +10,7 @@ use crate::motion::failure::Failure;
 use crate::motion::identity::Identity;
 use crate::motion::method::{Method, check_tolerance};
 use crate::motion::state::{Remembered, State};
-use crate::motion::stir::step;
+use crate::motion::stir::{draws, step, stir};
 use crate::motion::system::System;
 use crate::motion::witness::{Hears, Witness};
 use crate::number::clock::{later, steps_to};
@@ -137,6 +138,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// as 16: a step that fails in 65 536 parts has reached an end of the motion, or is far too long. Without `retry`
     /// no step is ever divided, since a run with a divided step is no longer the iteration of one map, and at that step
     /// neither symplectic nor reversible.
+    ///
+    /// Random forces draw the numbers of the whole step, before its parts and after them, or in the middle of
+    /// [`Baoab`](crate::methods::Baoab), whose free motion is made finer: if parts drew others, fast draws, which fail,
+    /// would be replaced by slower ones, and the bath would be too cold.
     ///
     /// The memory of a method is reset before and after the parts, which allocates. Steps of staggered methods are not
     /// divided, since their momenta belong to one step size.
@@ -348,7 +353,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.system.put_aside(&self.bodies, &mut self.before);
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
         if const { Y::FLOWS > 0 || S::DRAWS } {
-            self.bodies.noise = Noise { step: self.first.step.wrapping_add(self.steps), ..self.first };
+            self.bodies.noise = self.noise();
         }
         let stepped =
             step(&self.method, system, &self.system, &mut self.bodies, self.memory.as_mut(), witness);
@@ -372,6 +377,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
+    /// The first random numbers of the next step.
+    fn noise(&self) -> Noise {
+        Noise { step: self.first.step.wrapping_add(self.steps), ..self.first }
+    }
+
     /// Takes the step just made apart where something happens inside it, back, or in parts.
     #[cold]
     #[inline(never)]
@@ -387,15 +397,20 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// Takes the step just made apart where something happens inside it.
     fn meet(&mut self, stepped: Result<(), Failure>, witness: &mut dyn Hears<f64>) -> Result<(), Error> {
+        let noise = self.noise();
         let Some(events) = self.events.as_deref_mut() else { return Ok(()) };
         let Events { meet, search, start, aside, .. } = events;
         self.system.put_aside(&self.before, start);
         let halvings = self.halving.map_or(0, |halving| halving.most);
         let (system, method, bodies) = (&self.system, &self.method, &mut self.bodies);
         let divided = false;
-        let noise = Noise { step: self.first.step.wrapping_add(self.steps), ..self.first };
-        let mut stretch = Stretch { system, method, bodies, start, noise, aside, witness, halvings, divided };
-        let met = meet(search, &mut stretch, stepped.map_err(Trouble::from));
+        let flows = !draws(system);
+        let mut stretch =
+            Stretch { system, method, bodies, start, noise, aside, witness, halvings, flows, divided };
+        let met = match flows {
+            true => meet(search, &mut stretch, stepped.map_err(Trouble::from)),
+            false => stretch.between_flows(|stretch, stepped| meet(search, stretch, stepped)),
+        };
         let divided = stretch.divided;
         match met {
             Ok(number) => {
@@ -470,16 +485,30 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         }
     }
 
-    /// Takes a step in so many parts.
+    /// Takes a step in so many parts, with random numbers of the whole step if there are any.
     fn parts(&mut self, parts: u32, witness: &mut dyn Hears<f64>) -> Result<(), Trouble> {
-        let method = self.method.with_step(self.method.step_size() / f64::from(parts));
+        let (random, h) = (draws(&self.system), self.method.step_size());
+        let (method, parts) = match self.method.finer(parts).filter(|_| random) {
+            Some(finer) => (finer, 1),
+            None => (self.method.with_step(h / f64::from(parts)), parts),
+        };
+        let around = const { !S::STIRS } && random;
+        if random {
+            self.bodies.noise = self.noise();
+        }
         let system = view(&method, &self.system)?;
+        if around {
+            stir(Half::Before, 0.5 * h, &self.system, &mut self.bodies)?;
+        }
         let mut memory = method.memory(system, &self.bodies);
         for _ in 0..parts {
-            seldom(&method, &self.system, &mut self.bodies, memory.as_mut(), witness)?;
+            seldom(&method, &self.system, &mut self.bodies, memory.as_mut(), witness, !around)?;
             if let Some(taken) = method.time_taken(memory.as_ref()) {
                 self.clock = later(self.clock, (taken, 0.0));
             }
+        }
+        if around {
+            stir(Half::After, 0.5 * h, &self.system, &mut self.bodies)?;
         }
         self.memory = self.method.memory(system, &self.bodies);
         Ok(check(&self.method, &self.system, &self.before, &mut self.bodies)?)
@@ -493,7 +522,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let memory = reversal.memory.as_mut();
         let backwards = reversal.backwards.with_step(reversal.backwards.step_size() / f64::from(parts));
         let bodies = &mut self.bodies;
-        let back = (0..parts).try_for_each(|_| seldom(&backwards, &self.system, bodies, memory, &mut ()));
+        let back =
+            (0..parts).try_for_each(|_| seldom(&backwards, &self.system, bodies, memory, &mut (), true));
         let (mut worst, mut body, mut size) = (0.0, 0, 0.0_f64);
         for i in 0..self.bodies.q.as_ref().len() {
             let (was, is) = (self.before.body(i), self.bodies.body(i));

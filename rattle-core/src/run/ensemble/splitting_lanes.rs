@@ -10,7 +10,7 @@ use crate::motion::failure::Failure;
 use crate::motion::method::{Renewal, Stage};
 use crate::motion::parts::BodiesOf;
 use crate::motion::record::{Hallmark, Reading, Record};
-use crate::motion::stir::{in_the_middle, stir};
+use crate::motion::stir::{draws, in_the_middle, stir};
 use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
@@ -309,16 +309,19 @@ pub(super) struct StirredAlone<'a> {
 }
 
 impl StirredAlone<'_> {
-    /// Makes bodies ready for the next step, after so many.
+    /// Makes bodies ready for the next step, after so many; with the random numbers of the first try where parts of
+    /// steps have those.
     fn begin<S: Lane, Y: System<S, D>, const D: usize>(
         &self,
         step: u64,
+        again: bool,
         system: &Y,
         bodies: &mut BodiesOf<Y, S, D>,
     ) {
         let (noise, time) = (self.at)(step);
         if step == 0 {
-            (bodies.noise, bodies.time) = (Noise { place: *self.place, ..noise }, time);
+            let place = if again { noise.place } else { *self.place };
+            (bodies.noise, bodies.time) = (Noise { place, ..noise }, time);
             bodies.work = S::from_f64(self.work);
             return;
         }
@@ -356,8 +359,30 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
     parts: u32,
     places: &[Body<f64, D>],
 ) -> Result<Moved<D>, Failure> {
-    let (stages, whole) = Stage::parts(stages, parts);
+    let number = stages.len();
+    // With random numbers flows act on the whole step, and motion alone is divided.
+    let around = parts > 1 && stirred.is_some() && draws(system);
+    let inside = stirred.as_ref().is_some_and(|of| of.after > 0);
+    let ((stages, time), parts) = match around && inside {
+        true => (Stage::parts(&Stage::finer(stages, parts), 1), 1),
+        false => (Stage::parts(stages, parts), parts),
+    };
+    if let Some(of) = &mut stirred
+        && around
+    {
+        of.after *= stages.len() / number;
+    }
     let mut bodies = system.bodies(&in_lanes(places), 0.0);
+    let act = |stirred: &mut Option<StirredAlone<'_>>, of: usize, half, h, bodies: &mut _| {
+        if const { Y::FLOWS > 0 }
+            && let Some(stirred) = stirred.as_mut().filter(|stirred| stirred.after == of)
+        {
+            return stirred.act(half, h, system, bodies);
+        }
+        Ok(())
+    };
+    let (before, after) = (Some(Half::Before), Some(Half::After));
+    let whole = if around { time * f64::from(parts) } else { time };
     for step in 0..steps {
         if step > 0 {
             system.refresh(&mut bodies); // as where a run is divided: bits depend on no division
@@ -365,14 +390,12 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
         if const { Y::FLOWS > 0 }
             && let Some(stirred) = &stirred
         {
-            stirred.begin(step, system, &mut bodies);
+            stirred.begin(step, around, system, &mut bodies);
         }
         let start = bodies.saved();
-        for _ in 0..parts {
-            if const { Y::FLOWS > 0 }
-                && let Some(stirred) = stirred.as_mut().filter(|of| of.after == 0)
-            {
-                stirred.act(Some(Half::Before), whole, system, &mut bodies)?;
+        for part in 0..parts {
+            if !around || part == 0 {
+                act(&mut stirred, 0, before, whole, &mut bodies)?;
             }
             for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
                 system.drift(before, h, &mut bodies, &mut ())?;
@@ -380,16 +403,10 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
                     system.evaluate_forces(&mut bodies);
                 }
                 system.settle(after, h, &mut bodies, &mut ())?;
-                if const { Y::FLOWS > 0 }
-                    && let Some(stirred) = stirred.as_mut().filter(|of| of.after == i + 1)
-                {
-                    stirred.act(None, whole, system, &mut bodies)?;
-                }
+                act(&mut stirred, i + 1, None, whole, &mut bodies)?;
             }
-            if const { Y::FLOWS > 0 }
-                && let Some(stirred) = stirred.as_mut().filter(|of| of.after == 0)
-            {
-                stirred.act(Some(Half::After), whole, system, &mut bodies)?;
+            if !around || part + 1 == parts {
+                act(&mut stirred, 0, after, whole, &mut bodies)?;
             }
         }
         system.check_kinks(&start, &bodies)?;

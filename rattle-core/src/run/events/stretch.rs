@@ -1,11 +1,13 @@
 //! A stretch of a step: from where it begins, made for any length.
 
+use crate::effect::interval::Half;
 use crate::effect::noise::Noise;
 use crate::methods::able::view;
 use crate::motion::bodies::Saved;
 use crate::motion::course::check;
 use crate::motion::method::Method;
 use crate::motion::parts::BodiesOf;
+use crate::motion::stir::stir;
 use crate::motion::system::System;
 use crate::motion::witness::Hears;
 use crate::run::seldom::seldom;
@@ -19,13 +21,15 @@ pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usi
     pub(in crate::run) bodies: &'a mut BodiesOf<Y, f64, D>,
     /// Where the stretch begins.
     pub(in crate::run) start: &'a mut Saved<Y::Count, f64, D>,
-    /// Which random numbers come first there: every try draws the same ones.
+    /// Which random numbers come first there.
     pub(in crate::run) noise: Noise,
     /// Room for two more places.
     pub(in crate::run) aside: &'a mut [Saved<Y::Count, f64, D>; 2],
     pub(in crate::run) witness: &'a mut dyn Hears<f64>,
     /// How often a try that fails is halved.
     pub(in crate::run) halvings: u32,
+    /// Whether flows act inside it, and not around the whole step.
+    pub(in crate::run) flows: bool,
     /// Whether anything was tried but the whole step.
     pub(in crate::run) divided: bool,
 }
@@ -50,6 +54,22 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
         went
     }
 
+    /// Has flows that draw random numbers act before the whole step and after it, and events meet between: a contact
+    /// does not choose the noise that led to it.
+    pub(in crate::run) fn between_flows(
+        &mut self,
+        meet: impl FnOnce(&mut Self, Result<(), Trouble>) -> Result<u64, Trouble>,
+    ) -> Result<u64, Trouble> {
+        let h = self.method.step_size();
+        self.go_back();
+        stir(Half::Before, 0.5 * h, self.system, self.bodies)?;
+        self.begin();
+        let went = self.go(h.abs());
+        let met = meet(self, went)?;
+        stir(Half::After, 0.5 * h, self.system, self.bodies)?;
+        Ok(met)
+    }
+
     fn go_in_parts(&mut self, length: f64, parts: u32) -> Result<(), Trouble> {
         self.go_back();
         let whole = self.method.with_step(self.sign() * length);
@@ -57,7 +77,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
             if parts == 1 { whole.clone() } else { whole.with_step(whole.step_size() / f64::from(parts)) };
         let mut memory = method.memory(view(&method, self.system)?, self.bodies);
         for _ in 0..parts {
-            seldom(&method, self.system, self.bodies, memory.as_mut(), self.witness)?;
+            seldom(&method, self.system, self.bodies, memory.as_mut(), self.witness, self.flows)?;
         }
         Ok(check(&whole, self.system, self.start, self.bodies)?)
     }

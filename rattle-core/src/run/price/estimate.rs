@@ -67,8 +67,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     ///
     /// # Errors
-    /// That of the first comparison run that fails; [`Error::Price`] where no step was taken, steps draw random numbers,
-    /// or `start` is not one from which so many steps lead to the present time; [`Error::BodyCount`] for a start with another number of bodies.
+    /// That of the first comparison run that fails; [`Error::Price`] where no step was taken, steps draw random
+    /// numbers, or `start` is not one from which so many steps lead to the present time; [`Error::BodyCount`] for a
+    /// start with another number of bodies.
     #[doc(alias = "accuracy")]
     #[doc(alias = "convergence")]
     #[doc(alias = "Richardson extrapolation")]

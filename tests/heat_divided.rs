@@ -1,0 +1,150 @@
+//! Baths where steps are divided, because they are too long, or at contacts and edges: random numbers are those of the
+//! whole step, so that what a step meets does not choose among them.
+
+use rattle::Error;
+use rattle::effect::{Andersen, Langevin, Stop, VelocityRescaling};
+use rattle::prelude::*;
+use rattle::surfaces::Sphere;
+use rattle::watch::{Mean, Sight};
+
+constraint! {
+    /// A box from 0 to 1.
+    struct Room {}
+    |x| x * (1 - x)
+}
+
+constraint! {
+    /// Two slopes that meet in a ridge.
+    struct Roof { k }
+    |x, _y, z| z + k * abs(x)
+}
+
+const KT: f64 = 4.0;
+
+fn bath() -> Langevin {
+    Langevin { friction: 1.0, temperature: KT, seed: 3 }
+}
+
+/// 2 T/2 for the two momenta along the sphere, with its standard error: p has forgotten itself after a time of 2.
+fn temperature<S: Method>(
+    scene: &Scene<Sphere, impl rattle::effect::Effects<3>, rattle::bodies::One, 3>,
+    method: S,
+) -> f64 {
+    let start = |i| scene.maxwell(&State::at([1.0, 0.0, 0.0]).numbered(i), KT, 5).unwrap();
+    let mut ensemble = scene.ensemble((0..128).map(start), method).unwrap().retry(8);
+    let mean =
+        ensemble.observe(1000, 1, || Mean::of(|now: &Sight<'_, 3>| 0.5 * now.momentum().norm_squared()));
+    assert_eq!(ensemble.failures().count(), 0);
+    mean.mean()
+}
+
+/// One step in some of these is too long: a third of all by g-BAOAB. When parts drew numbers of their own, temperatures
+/// were 3.33, 3.62 and 3.62.
+#[test]
+fn fast_draws_are_as_frequent_as_they_should_be() {
+    let scene = Scene::on(Sphere { r: 1.0 });
+    let heated = scene.clone().with(bath());
+    let kicked = scene.with(Andersen { rate: 1.0, temperature: KT, seed: 3 });
+    for (name, found) in [
+        ("g-BAOAB", temperature(&heated, Baoab::new(0.4))),
+        ("RATTLE", temperature(&heated, Rattle::new(0.2))),
+        ("RATTLE, Andersen", temperature(&kicked, Rattle::new(0.2))),
+    ] {
+        assert!((found - KT).abs() < 0.1, "{name}: {found}");
+    }
+}
+
+/// In lanes and alone, steps in parts are the same.
+#[test]
+fn parts_in_lanes_are_those_of_simulations() {
+    fn check<S: Method>(method: S) {
+        let scene = Scene::on(Sphere { r: 1.0 }).with(bath());
+        let start = |i| scene.maxwell(&State::at([1.0, 0.0, 0.0]).numbered(i), KT, 5).unwrap();
+        let mut ensemble = scene.ensemble((0..40).map(start), method.clone()).unwrap().retry(8);
+        ensemble.run(12);
+        let mut without = scene.ensemble((0..40).map(start), method.clone()).unwrap();
+        without.run(12);
+        assert!(without.failures().count() > 3, "{}", method.name());
+        for i in 0..40 {
+            let mut alone = scene.simulate(start(i), method.clone()).unwrap().retry(8);
+            alone.run(12).unwrap();
+            let state = ensemble.state(i as usize);
+            let off = (state.positions().next().unwrap() - alone.position()).norm();
+            let work = (ensemble.work(i as usize) - alone.work()).abs();
+            assert!(off < 1e-10 && work < 1e-9, "{}, {i}: {off:e}, {work:e}", method.name());
+        }
+    }
+    check(Baoab::new(0.4));
+    check(Rattle::new(0.4));
+}
+
+/// The step in parts has the noise of the whole step, to the bit.
+#[test]
+fn a_step_in_parts_is_a_finer_one() {
+    let scene = Scene::on(Sphere { r: 1.0 }).with(bath());
+    let start = |i| scene.maxwell(&State::at([1.0, 0.0, 0.0]).numbered(i), KT, 5).unwrap();
+    let (mut divided, h) = (0, 0.4);
+    for i in 0..600 {
+        let Err(_) = scene.simulate(start(i), Baoab::new(h)).unwrap().run(1) else { continue };
+        let mut parts = scene.simulate(start(i), Baoab::new(h)).unwrap().retry(1);
+        let mut finer = scene.simulate(start(i), Baoab::with_inner(2, h)).unwrap();
+        if parts.run(1).is_ok() {
+            finer.run(1).unwrap();
+            assert_eq!((parts.position(), parts.momentum()), (finer.position(), finer.momentum()), "{i}");
+            divided += 1;
+        }
+    }
+    assert!(divided > 5, "{divided}");
+}
+
+/// Walls turn momenta round, and do not cool. When they chose among random numbers, kT was 0.663 with this step.
+#[test]
+fn walls_do_not_cool() {
+    let (kt, h, steps) = (0.7, 0.3, 60_000);
+    let heat = |seed| Langevin { friction: 1.0, temperature: kt, seed };
+    let scene = Scene::point().with(heat(1));
+    let mut run = scene
+        .simulate(State::at([0.5]).moving([0.5]), Rattle::new(h))
+        .unwrap()
+        .collide(Stop::above(Room {}).over([[0]]))
+        .unwrap();
+    let mut mean = Mean::of(|now: &Sight<'_, 1>| now.momentum().x.powi(2));
+    run.observe(steps, 1, &mut mean).unwrap();
+    assert!(run.events() > steps / 10);
+    // p² has a standard deviation of √2 kT, and is forgotten in a time of 1/2.
+    let bound = 4.0 * 2.0_f64.sqrt() * kt / (steps as f64 * h).sqrt();
+    assert!((mean.mean() - kt).abs() < bound, "{} ± {bound:.3}", mean.mean());
+
+    let again = Scene::point().with(heat(1)).simulate(State::at([0.5]), Baoab::new(h)).unwrap();
+    let refused = again.collide(Stop::above(Room {}).over([[0]])).map(drop);
+    assert!(matches!(refused, Err(Error::NoEvents { who: "g-BAOAB", .. })), "{refused:?}");
+}
+
+/// A bath that rescales the one momentum that there is keeps it going: at contacts it came to rest for ever.
+#[test]
+fn rescaling_goes_on_between_walls() {
+    for seed in 0..6 {
+        let scene = Scene::point().with(VelocityRescaling { time: 1.0, temperature: 0.7, seed });
+        let mut run = scene
+            .simulate(State::at([0.5]).moving([0.5]), Rattle::new(0.1))
+            .unwrap()
+            .collide(Stop::above(Room {}).over([[0]]))
+            .unwrap();
+        run.run(5000).unwrap();
+        assert!(run.momentum().x != 0.0 && run.events() > 100, "{seed}: {} events", run.events());
+    }
+}
+
+/// Over the ridge and back, for as long as one likes.
+#[test]
+fn heat_goes_over_edges() {
+    for seed in 0..4 {
+        let scene = Scene::on(Roof { k: 0.5 })
+            .with(rattle::potentials::Harmonic { stiffness: 1.0, centre: [0.0; 3] })
+            .with(Langevin { friction: 0.5, temperature: 0.5, seed });
+        let start = State::at([-0.3, 0.0, -0.15]).moving([0.2, 0.1, 0.1]);
+        let mut run = scene.simulate(start, Rattle::new(0.05)).unwrap().over_kinks().unwrap();
+        run.run(4000).unwrap();
+        assert!(run.events() > 20, "{seed}: {}", run.events());
+    }
+}
