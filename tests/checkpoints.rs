@@ -72,6 +72,11 @@ fn options_and_events_go_on() {
     let free = Scene::on(RING).bodies(9);
     let balls =
         || free.simulate(on_a_ring(9), Rattle::new(0.05)).unwrap().collide(HardSpheres::new(1.3)).unwrap();
+    let larger =
+        |of| free.simulate(on_a_ring(9), Rattle::new(0.05)).unwrap().collide(HardSpheres::new(of)).unwrap();
+    let mut other = larger(1.2);
+    let error = other.resume(&balls().checkpoint()).unwrap_err().to_string();
+    assert!(error.contains("1.3") && error.contains("1.2"), "{error}");
     let [whole, parts] = goes_on(balls, 60, 200);
     assert!(whole.events() > 2 && parts.events() == whole.events(), "{}", whole.events());
     let fast = State::at([0.0, 0.0, SURFACE.r]).moving([4.0, 3.0, 0.0]);

@@ -222,6 +222,18 @@ fn a_full_disk() {
     assert_eq!(stream.finish().unwrap_err().source.kind(), io::ErrorKind::StorageFull);
 }
 
+/// Columns of positions are called `q_0_0` there, and so on.
+#[test]
+fn names_in_parquet_are_not_taken_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let stream = Stream::to(Parquet::create(folder.path().join("twice.parquet")).unwrap());
+    let columns = Columns::new().positions().quantity("q_0_0", |now: &Sight<'_, 3>| now.position().x);
+    let mut recorder = Recorder::of(&columns, stream.sink());
+    let ended = ring(2).observe(10, 1, &mut recorder).and_then(|()| recorder.finish().map(drop));
+    let told = stream.finish().map(drop).unwrap_err().to_string();
+    assert!(told.contains("two columns would be called `q_0_0`"), "{told}, {ended:?}");
+}
+
 /// A start is a row where it is asked for, in each trajectory; times that are those of the start are met by it.
 #[test]
 fn a_start_is_a_row_where_it_is_asked_for() {

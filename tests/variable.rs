@@ -303,3 +303,26 @@ constraint! {
     struct Lifted { length }
     |x, y, t| x^2 + (y - (1 - cos(2 * t)) / 5)^2 - length^2
 }
+
+constraint! {
+    /// A circle whose centre rises.
+    struct Rising { w }
+    |x, y, t| x^2 + (y - w * t)^2 - 1
+}
+
+/// Collocation looks for other sheets over the time that a step really takes. On the circle that rises a body turns as
+/// on one that rests.
+#[test]
+fn collocation_on_links_that_move() {
+    let scene = Scene::point().link_moving(Rising { w: 0.7 }, [[0]]);
+    let start = State::at([1.0, 0.0]).moving([0.0, 0.7 + 0.9]);
+    for h in [0.05, 0.01] {
+        let method = Variable::of(Lobatto::<3>::new(h), 0.3);
+        let mut run = scene.simulate(start.clone(), method).unwrap();
+        run.run_until(5.0).unwrap();
+        let (q, t) = (run.position(), run.time());
+        let (sin, cos) = (0.9 * t).sin_cos();
+        let off = (q.x - cos).hypot(q.y - 0.7 * t - sin);
+        assert!(off < 20.0 * h.powi(4), "h = {h}: {off:e} at t = {t}");
+    }
+}

@@ -86,6 +86,7 @@ impl Parquet {
 impl Writer for Parquet {
     fn write(&mut self, rows: &Rows) -> io::Result<()> {
         self.waiting.columns = rows.columns.clone();
+        self.begun().map_err(of_the_system)?;
         self.waiting.steps.extend(&rows.steps);
         self.waiting.trajectories.extend(&rows.trajectories);
         self.waiting.times.extend(&rows.times);
@@ -139,6 +140,12 @@ fn schema(columns: &[Column]) -> Result<Type, ParquetError> {
             }
             fields.push(field(&format!("{name}{index}"), Physical::DOUBLE)?);
         }
+    }
+    let mut names: Vec<&str> = fields.iter().map(|field| field.name()).collect();
+    names.sort_unstable();
+    if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+        let why = format!("two columns would be called `{}`; rename the quantity", twice[0]);
+        return Err(ParquetError::General(why));
     }
     Type::group_type_builder("rows").with_fields(fields).build()
 }

@@ -30,6 +30,11 @@ pub trait Contacts<const D: usize>: Debug + Send + Sync + 'static {
     fn name(&self) -> &'static str;
     /// The coefficient of restitution e: the speed of separation divided by the speed of approach, 0 to 1.
     fn restitution(&self) -> f64;
+    /// What tells these contacts from others of the same name, besides the restitution, such as a diameter: a
+    /// checkpoint is refused where these numbers differ.
+    fn parameters(&self) -> Vec<f64> {
+        Vec::new()
+    }
     /// Checks that the contacts make sense for this number of bodies.
     ///
     /// # Errors

@@ -52,6 +52,9 @@ impl<const D: usize> Contacts<D> for HardSpheres {
     fn restitution(&self) -> f64 {
         self.restitution
     }
+    fn parameters(&self) -> Vec<f64> {
+        vec![self.diameter]
+    }
     fn check(&self, _: usize) -> Result<(), Error> {
         let positive = self.diameter > 0.0 && self.diameter.is_finite();
         if positive { check_restitution(self.restitution) } else { Err(Error::Diameter(self.diameter)) }

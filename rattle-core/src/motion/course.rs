@@ -28,15 +28,15 @@ pub(crate) const STEADY: f64 = (1.0 + JUMP) / (1.0 - JUMP);
 /// places is none.
 const ROUNDINGS: f64 = 64.0;
 
-/// Looks at a step of a method, unless the method has done it.
+/// Looks at a step of this length by a method, unless the method has done it.
 #[inline(always)]
 pub(crate) fn check<S: Method, T: Scalar, Y: System<T, D>, const D: usize>(
-    method: &S,
+    h: f64,
     system: &Y,
     before: &Saved<Y::Count, T, D>,
     now: &mut BodiesOf<Y, T, D>,
 ) -> Result<(), Failure> {
-    if const { S::CHECKS } { Ok(()) } else { look::<S, T, Y, D>(method.step_size(), system, before, now) }
+    if const { S::CHECKS } { Ok(()) } else { look::<S, T, Y, D>(h, system, before, now) }
 }
 
 /// Looks at a step of this length by a method.

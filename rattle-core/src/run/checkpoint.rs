@@ -187,6 +187,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         if let Some(events) = &self.events {
             for contact in &events.search.meetings.kinds {
                 options.push((contact.name(), contact.restitution()));
+                options.extend(contact.parameters().into_iter().map(|x| (contact.name(), x)));
             }
             if events.search.over_kinks {
                 options.push(("over_kinks", 1.0));

@@ -11,6 +11,7 @@ pub(crate) mod events;
 mod fingerprint;
 pub mod price;
 mod readings;
+mod retry;
 mod seldom;
 pub mod simulation;
 mod trouble;

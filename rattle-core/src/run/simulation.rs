@@ -1,6 +1,5 @@
 //! Simulations: a scene in motion.
 
-use crate::effect::interval::Half;
 use crate::effect::noise::Noise;
 use crate::error::{Error, StepFailure, SurfaceFailure};
 use crate::methods::able::{no_way_back, view};
@@ -10,7 +9,7 @@ use crate::motion::failure::Failure;
 use crate::motion::identity::Identity;
 use crate::motion::method::{Method, check_tolerance};
 use crate::motion::state::{Remembered, State};
-use crate::motion::stir::{draws, step, stir};
+use crate::motion::stir::{draws, step};
 use crate::motion::system::System;
 use crate::motion::witness::{Hears, Witness};
 use crate::number::clock::{later, steps_to};
@@ -60,7 +59,7 @@ pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
 pub(super) struct Halving<Y: System<f64, D>, S: Method, const D: usize> {
     pub(super) most: u32,
     #[allow(clippy::type_complexity, reason = "said once")]
-    take: fn(&mut Simulation<Y, S, D>, u32, &mut dyn Hears<f64>) -> Result<(), Trouble>,
+    pub(super) take: fn(&mut Simulation<Y, S, D>, u32, &mut dyn Hears<f64>) -> Result<(), Trouble>,
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Copy for Halving<Y, S, D> {}
@@ -130,40 +129,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             events,
             goes_again: false,
         })
-    }
-
-    /// The same simulation, in which a step that fails is repeated in 2, 4, … 2^`halvings` equal parts.
-    ///
-    /// Only the step that fails is divided; after it, steps have their full length again. More than 16 halvings count
-    /// as 16: a step that fails in 65 536 parts has reached an end of the motion, or is far too long. Without `retry`
-    /// no step is ever divided, since a run with a divided step is no longer the iteration of one map, and at that step
-    /// neither symplectic nor reversible.
-    ///
-    /// Random forces draw the numbers of the whole step, before its parts and after them, or in the middle of
-    /// [`Baoab`](crate::methods::Baoab), whose free motion is made finer: if parts drew others, fast draws, which fail,
-    /// would be replaced by slower ones, and the bath would be too cold.
-    ///
-    /// The memory of a method is reset before and after the parts, which allocates. Steps of staggered methods are not
-    /// divided, since their momenta belong to one step size.
-    ///
-    /// ```
-    /// # use rattle::{Rattle, Scene, State};
-    /// let free = Scene::point().simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.1))?;
-    /// let mut simulation = free.retry(6);
-    /// # simulation.step()?;
-    /// # Ok::<(), rattle::Error>(())
-    /// ```
-    #[doc(alias = "subdivide")]
-    #[doc(alias = "adaptive")]
-    #[must_use]
-    pub fn retry(mut self, halvings: u32) -> Self {
-        self.halve(halvings);
-        self
-    }
-
-    pub(crate) fn halve(&mut self, halvings: u32) {
-        let most = halvings.min(MOST_HALVINGS);
-        self.halving = (most > 0).then_some(Halving { most, take: Self::parts });
     }
 
     /// The same simulation, in which every step is checked for reversibility.
@@ -357,10 +322,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         }
         let stepped =
             step(&self.method, system, &self.system, &mut self.bodies, self.memory.as_mut(), witness);
-        let look = |()| check(&self.method, &self.system, &self.before, &mut self.bodies);
+        let taken = self.method.time_taken(self.memory.as_ref());
+        let h = taken.unwrap_or(self.method.step_size());
+        let look = |()| check::<S, _, _, D>(h, &self.system, &self.before, &mut self.bodies);
         match stepped.and_then(look) {
             Ok(()) => {
-                if let Some(taken) = self.method.time_taken(self.memory.as_ref()) {
+                if let Some(taken) = taken {
                     self.clock = later(self.clock, (taken, 0.0));
                 }
                 if self.goes_again {
@@ -378,7 +345,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// The first random numbers of the next step.
-    fn noise(&self) -> Noise {
+    pub(super) fn noise(&self) -> Noise {
         Noise { step: self.first.step.wrapping_add(self.steps), ..self.first }
     }
 
@@ -483,35 +450,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             Some(take) => take(self, parts),
             None => Ok(()),
         }
-    }
-
-    /// Takes a step in so many parts, with random numbers of the whole step if there are any.
-    fn parts(&mut self, parts: u32, witness: &mut dyn Hears<f64>) -> Result<(), Trouble> {
-        let (random, h) = (draws(&self.system), self.method.step_size());
-        let (method, parts) = match self.method.finer(parts).filter(|_| random) {
-            Some(finer) => (finer, 1),
-            None => (self.method.with_step(h / f64::from(parts)), parts),
-        };
-        let around = const { !S::STIRS } && random;
-        if random {
-            self.bodies.noise = self.noise();
-        }
-        let system = view(&method, &self.system)?;
-        if around {
-            stir(Half::Before, 0.5 * h, &self.system, &mut self.bodies)?;
-        }
-        let mut memory = method.memory(system, &self.bodies);
-        for _ in 0..parts {
-            seldom(&method, &self.system, &mut self.bodies, memory.as_mut(), witness, !around)?;
-            if let Some(taken) = method.time_taken(memory.as_ref()) {
-                self.clock = later(self.clock, (taken, 0.0));
-            }
-        }
-        if around {
-            stir(Half::After, 0.5 * h, &self.system, &mut self.bodies)?;
-        }
-        self.memory = self.method.memory(system, &self.bodies);
-        Ok(check(&self.method, &self.system, &self.before, &mut self.bodies)?)
     }
 
     /// Takes the step just made, in so many parts, back, compares, and makes it again.

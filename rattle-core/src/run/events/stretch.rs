@@ -79,7 +79,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
         for _ in 0..parts {
             seldom(&method, self.system, self.bodies, memory.as_mut(), self.witness, self.flows)?;
         }
-        Ok(check(&whole, self.system, self.start, self.bodies)?)
+        Ok(check::<S, _, _, D>(whole.step_size(), self.system, self.start, self.bodies)?)
     }
 
     /// Back to where it begins.
