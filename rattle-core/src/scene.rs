@@ -205,7 +205,8 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     }
 
     /// The same scene with links whose multipliers act only on the coordinates that are `true`; the others move as if
-    /// there were no link. This is no longer mechanics: energy is not conserved. Where g does not depend on the chosen
+    /// there were no link. This is no longer mechanics: energy is not conserved, and heat baths, which differ by what
+    /// they hold at kT then, and `temperature()` have no common meaning. Where g does not depend on the chosen
     /// coordinates there is no solution, which is an error.
     pub fn link_acting<G: Constraint<K, M>, const K: usize, const M: usize, const A: usize>(
         self,

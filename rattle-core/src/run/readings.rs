@@ -192,12 +192,15 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// Multipliers λ of the equations (by link, then member, then equation), from g̈ = 0 at the present state; accurate
-    /// to the order of the method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|².
+    /// to the order of the method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|². Here f are potentials and driven
+    /// potentials: what constraints answer to [flows](crate::effect::Flow), such as a `force!`, drag or a magnetic
+    /// field, is not in λ.
     pub fn multipliers(&self) -> Vec<f64> {
         answers::multipliers(&self.system, &self.bodies)
     }
 
-    /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method. For a pinned
+    /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method, without what
+    /// they answer to flows (see [`multipliers`](Self::multipliers)): write a weight as a potential. For a pinned
     /// body it is the force of its links, without potentials that act on it.
     #[doc(alias = "reaction force")]
     #[doc(alias = "tension")]
