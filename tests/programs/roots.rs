@@ -18,6 +18,8 @@ mod iterations_lanes;
 mod kinks;
 #[path = "../kinks_phase.rs"]
 mod kinks_phase;
+#[path = "../kinks_projected.rs"]
+mod kinks_projected;
 #[path = "../laws.rs"]
 mod laws;
 #[path = "../references.rs"]

@@ -17,7 +17,7 @@ use crate::error::{Error, MethodFailure};
 use crate::methods::dop853_table::{ERROR_3, ERROR_5, NODES, STAGES, STEPS, WEIGHTS};
 use crate::motion::bodies::{Count, Saved};
 use crate::motion::capability::Rates;
-use crate::motion::course::look_inside;
+use crate::motion::course::{ASTRAY, land, look_inside, moved};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, Projecting, View, check_step_size, check_tolerance};
 use crate::motion::need::{Kicks, WithRates};
@@ -33,6 +33,8 @@ pub(crate) const SAFETY: f64 = 0.9;
 pub(crate) const CHANGE: (f64, f64) = (1.0 / 3.0, 6.0);
 /// The smallest part of a step that is tried.
 pub(crate) const SMALLEST_PART: f64 = 1e-6;
+/// The stage in whose place is kept where an inner step led regardless of the constraints: no sum needs it at the end.
+const LED: usize = 1;
 /// Vectors per body: the rates at the stages.
 const ROOM: usize = 2 * STAGES;
 
@@ -147,9 +149,9 @@ impl Dop853 {
     ) -> Result<(), Failure> {
         let mut stages = Stages::begin(system, bodies, saved, room, witness);
         let Some(tolerance) = self.tolerance else {
-            stages.evaluate(system, bodies, self.h);
-            stages.arrive(system, bodies, self.h)?;
-            return look_inside(self, self.h, self.h, system.0, stages.start, bodies);
+            stages.evaluate::<true, _>(system, bodies, self.h)?;
+            let landed = stages.arrive(system, bodies, self.h)?;
+            return look_inside(self, [self.h; 2], system.0, stages.start, bodies, landed);
         };
         let (mut left, mut inner) = (self.h, self.h);
         loop {
@@ -157,13 +159,20 @@ impl Dop853 {
             if last {
                 inner = left;
             }
-            stages.evaluate(system, bodies, inner);
+            stages.evaluate::<false, _>(system, bodies, inner)?;
             let (error, body) = stages.error(system, bodies, inner, self.h);
             let fitting = SAFETY * (tolerance / error).powf(0.125); // NaN is the smallest
             let fitting = fitting.max(CHANGE.0).min(CHANGE.1);
             if error <= tolerance {
-                stages.arrive(system, bodies, inner)?;
-                look_inside(self, left, inner, system.0, stages.start, bodies)?;
+                let landed = stages.arrive(system, bodies, inner)?;
+                let (moved, body) =
+                    if landed.is_ok() { stages.moved(system, bodies, self.h) } else { (0.0, 0) };
+                if moved > ASTRAY * tolerance {
+                    system.0.put_back(bodies, stages.start);
+                    inner = self.shorter(inner, CHANGE.0, body, moved)?;
+                    continue;
+                }
+                look_inside(self, [left, inner], system.0, stages.start, bodies, landed)?;
                 if last {
                     return Ok(());
                 }
@@ -171,13 +180,19 @@ impl Dop853 {
                 inner *= fitting;
                 stages = Stages::begin(system, bodies, saved, room, &mut ());
             } else {
-                if inner.abs() * fitting < SMALLEST_PART * self.h.abs() {
-                    let cause = MethodFailure::StepsCollapse { inner, h: self.h, error, tolerance }.into();
-                    return Err(Failure { body, cause });
-                }
-                inner *= fitting.min(SAFETY);
+                inner = self.shorter(inner, fitting, body, error)?;
             }
         }
+    }
+
+    /// The inner step that is tried instead of one with such an error, of this body.
+    fn shorter(&self, inner: f64, fitting: f64, body: usize, error: f64) -> Result<f64, Failure> {
+        if inner.abs() * fitting < SMALLEST_PART * self.h.abs() {
+            let tolerance = self.tolerance.unwrap_or(f64::NAN);
+            let cause = MethodFailure::StepsCollapse { inner, h: self.h, error, tolerance }.into();
+            return Err(Failure { body, cause });
+        }
+        Ok(inner * fitting.min(SAFETY))
     }
 }
 
@@ -231,14 +246,16 @@ impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
         })
     }
 
-    /// The stages of an inner step h, from the second one on.
-    fn evaluate<Y: System<T, D, Count = N>>(
+    /// The stages of an inner step h, from the second one on. A stage beyond a kink, whose rates are those of another
+    /// side, is an error where it is looked for: without a tolerance, which would tell whether it matters. Where only
+    /// the curvature jumps, later stages may be far off the constraints, and are not looked at.
+    fn evaluate<const LOOKS: bool, Y: System<T, D, Count = N>>(
         &mut self,
         system: View<'_, Dop853, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
         h: f64,
-    ) {
-        let step = T::from_f64(h);
+    ) -> Result<(), Failure> {
+        let (step, mut looks) = (T::from_f64(h), LOOKS);
         for stage in 1..STAGES {
             for body in 0..self.n {
                 let (v, f) = self.combined(STEPS[stage], body);
@@ -247,9 +264,15 @@ impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
                 bodies.p.as_mut()[body] = sum(&start.p, &add_scaled(&start.p_low, step, &f));
             }
             bodies.time = self.start.time + h * NODES[stage];
+            if looks && system.0.changes_sides(self.start, bodies) {
+                looks = false;
+                let looked = system.0.check_kinks(self.start, bodies);
+                looked.map_err(|kink| kink.of_part(0.0, NODES[stage]))?;
+            }
             system.0.refresh(bodies);
             self.rates(system, bodies, stage, &mut ());
         }
+        Ok(())
     }
 
     /// The estimated error of an inner step, the largest of all bodies, and of which body; NaN if it is none. The
@@ -281,13 +304,24 @@ impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
         worst
     }
 
-    /// Takes the bodies to the end of the inner step and onto the constraints.
-    fn arrive<Y: System<T, D, Count = N>>(
+    /// By how much the bodies were [moved](moved) onto the constraints.
+    fn moved<Y: System<T, D, Count = N>>(
         &self,
-        (system, rates): View<'_, Dop853, T, Y, D>,
+        (system, _): View<'_, Dop853, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+        whole: f64,
+    ) -> (f64, usize) {
+        let led = [&*self.v, &*self.f].map(|rates| &rates[LED * self.n..][..self.n]);
+        moved(whole, system, bodies, led)
+    }
+
+    /// Takes the bodies to the end of the inner step and onto the constraints, as [`land`] does.
+    fn arrive<Y: System<T, D, Count = N>>(
+        &mut self,
+        system: View<'_, Dop853, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
         h: f64,
-    ) -> Result<(), Failure> {
+    ) -> Result<Result<(), Failure>, Failure> {
         let step = T::from_f64(h);
         for body in 0..self.n {
             let (v, f) = self.combined(WEIGHTS, body);
@@ -300,12 +334,13 @@ impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
                 two_sum(&start.q, &sum(&start.q_low, &increment));
             (bodies.p.as_mut()[body], bodies.p_low.as_mut()[body]) =
                 two_sum(&start.p, &sum(&start.p_low, &impulse));
+            let led = LED * self.n + body;
+            (self.v[led], self.f[led]) = (bodies.q.as_ref()[body], bodies.p.as_ref()[body]);
         }
         for &(stage, weight) in WEIGHTS {
             bodies.work = bodies.work + T::from_f64(h * weight) * self.power[stage];
         }
         bodies.time = self.start.time + h;
-        rates.project(h, bodies)?;
-        system.settle(0.0, h, bodies, &mut ())
+        land(h, system, self.start, bodies)
     }
 }

@@ -27,7 +27,7 @@
 use crate::error::{Error, MethodFailure};
 use crate::motion::bodies::{Bodies, Count, Saved};
 use crate::motion::capability::{Rates, Series};
-use crate::motion::course::look_inside;
+use crate::motion::course::{ASTRAY, land, look_inside, moved};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, Projecting, View, check_step_size, check_tolerance};
 use crate::motion::need::{Kicks, WithRates, WithSeries};
@@ -44,8 +44,14 @@ pub(crate) const SMALLEST_PART: f64 = 1e-6;
 /// change takes no others.
 const MOST_SHORT: usize = 64;
 
+/// An inner step that is moved onto the constraints too far is made shorter by this factor.
+const SHORTER: f64 = 1.0 / 3.0;
+
 /// Coefficients that tell the acceleration at the end of an inner step.
 const FEW: usize = 3;
+
+/// Where an inner step led regardless of the constraints: a place and a momentum.
+const LED: usize = 2;
 
 /// By so many roundings of places, and of what the series is made of, accelerations may differ.
 pub(crate) const ROUNDINGS: f64 = 64.0;
@@ -126,7 +132,7 @@ impl Method for Taylor {
         bodies: &mut BodiesOf<Y, T, D>,
     ) {
         series.reserve_series(bodies, self.coefficients(), self.h);
-        bodies.make_room(self.coefficients() + FEW);
+        bodies.make_room(self.coefficients() + FEW + LED);
     }
 
     fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
@@ -137,7 +143,7 @@ impl Method for Taylor {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let n = bodies.q.as_ref().len();
-        bodies.with_room(self.coefficients() + FEW, |bodies, saved, room| {
+        bodies.with_room(self.coefficients() + FEW + LED, |bodies, saved, room| {
             self.steps(system, bodies, saved, room, witness)?;
             if W::LISTENS {
                 let (_, rates, _) = system;
@@ -164,31 +170,48 @@ impl Taylor {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let (_, _, motion) = system;
-        let (series, few) = room.split_at_mut(self.coefficients() * bodies.q.as_ref().len());
+        let n = bodies.q.as_ref().len();
+        let (series, rest) = room.split_at_mut(self.coefficients() * n);
+        let (few, led) = rest.split_at_mut(FEW * n);
         bodies.save(start);
         motion.expand(bodies, series, witness);
         let Some(tolerance) = self.tolerance else {
-            self.arrive(system, bodies, series, self.h)?;
-            return look_inside(self, self.h, self.h, system.0, start, bodies);
+            let landed = self.arrive(system, bodies, start, (series, led), self.h)?;
+            return look_inside(self, [self.h; 2], system.0, start, bodies, landed);
         };
-        let (mut left, mut short) = (self.h, 0);
+        let (mut left, mut short, mut most) = (self.h, 0, (f64::INFINITY, 0, tolerance));
         loop {
-            let (longest, body) = self.longest(bodies, series, tolerance, motion.unit(bodies));
-            let collapsed = longest < SMALLEST_PART * self.h.abs();
+            let (mut longest, mut body) = self.longest(bodies, series, tolerance, motion.unit(bodies));
             if longest.is_nan() {
                 return Err(Failure { body, cause: MethodFailure::StageNotFinite { h: self.h }.into() });
             }
-            if collapsed {
+            let mut error = tolerance;
+            if most.0 < longest {
+                (longest, body, error) = most;
+            }
+            if longest < SMALLEST_PART * self.h.abs() {
                 let inner = longest.copysign(self.h);
-                let cause =
-                    MethodFailure::StepsCollapse { inner, h: self.h, error: tolerance, tolerance }.into();
+                let cause = MethodFailure::StepsCollapse { inner, h: self.h, error, tolerance }.into();
                 return Err(Failure { body, cause });
             }
             let last = longest >= left.abs();
             let whole = if last { left } else { longest.copysign(left) };
-            self.arrive(system, bodies, series, whole)?;
-            let (inner, off) = self.in_one_branch(system, bodies, start, (series, few), whole, tolerance)?;
-            look_inside(self, left, inner, system.0, start, bodies)?;
+            let mut landed = self.arrive(system, bodies, start, (&*series, &mut *led), whole)?;
+            let terms = [&mut *series, &mut *few, &mut *led];
+            let (inner, off) =
+                self.in_one_branch(system, bodies, start, terms, whole, tolerance, &mut landed)?;
+            if landed.is_ok() {
+                let (places, momenta) = led.split_at(bodies.q.as_ref().len());
+                let (off, body) = moved(self.h, system.0, bodies, [places, momenta]);
+                if off > ASTRAY * tolerance {
+                    most = (SHORTER * inner.abs(), body, off);
+                    system.0.put_back(bodies, start);
+                    motion.expand(bodies, series, &mut ());
+                    continue;
+                }
+            }
+            most = (f64::INFINITY, 0, tolerance);
+            look_inside(self, [left, inner], system.0, start, bodies, landed)?;
             short += usize::from(inner.abs() < SMALLEST_PART * self.h.abs());
             if short > MOST_SHORT * bodies.q.as_ref().len() {
                 let cause = MethodFailure::StepsCollapse { inner, h: self.h, error: off, tolerance };
@@ -204,16 +227,18 @@ impl Taylor {
     }
 
     /// The inner step of this length, if the series is that of the motion until its end, where the bodies are; else a
-    /// shorter one, with the bodies at its end, which is right behind where it is not. And how far off it would have
-    /// led.
+    /// shorter one, with the bodies at its end, which is right behind where it is not, and how they landed there. And
+    /// how far off it would have led.
+    #[allow(clippy::too_many_arguments, reason = "what an inner step knows at its end")]
     fn in_one_branch<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
         start: &Saved<Y::Count, T, D>,
-        (series, few): (&mut [[T; D]], &mut [[T; D]]),
+        [series, few, led]: [&mut [[T; D]]; 3],
         inner: f64,
         tolerance: f64,
+        landed: &mut Result<(), Failure>,
     ) -> Result<(f64, f64), Failure> {
         let motion = system.2;
         // How far off it leads, with velocities times h, to have gone by this acceleration for so long.
@@ -227,7 +252,7 @@ impl Taylor {
         let shortest = 4.0 * f64::EPSILON * inner.abs();
         while off(end, behind - before) > tolerance && (behind - before).abs() > shortest {
             let middle = 0.5 * (before + behind);
-            self.go_again(system, bodies, start, series, middle)?;
+            *landed = self.go_again(system, bodies, start, (series, led), middle)?;
             let there = self.bend(motion, bodies, series, few, middle);
             at = middle;
             if off(there, middle) <= tolerance {
@@ -237,7 +262,7 @@ impl Taylor {
             }
         }
         if at != behind {
-            self.go_again(system, bodies, start, series, behind)?;
+            *landed = self.go_again(system, bodies, start, (series, led), behind)?;
         }
         Ok((behind, whole))
     }
@@ -248,12 +273,12 @@ impl Taylor {
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
         start: &Saved<Y::Count, T, D>,
-        series: &mut [[T; D]],
+        (series, led): (&mut [[T; D]], &mut [[T; D]]),
         inner: f64,
-    ) -> Result<(), Failure> {
+    ) -> Result<Result<(), Failure>, Failure> {
         system.0.put_back(bodies, start);
         system.2.expand(bodies, series, &mut ());
-        self.arrive(system, bodies, series, inner)
+        self.arrive(system, bodies, start, (series, led), inner)
     }
 
     /// By how much the acceleration of a body is off that of the series at most, at the end of an inner step, where the
@@ -312,14 +337,16 @@ impl Taylor {
         longest
     }
 
-    /// Sums the series by Horner's rule and takes the bodies onto the constraints.
+    /// Sums the series by Horner's rule and takes the bodies onto the constraints, as [`land`] does; `led` is where they
+    /// were before, all places and all momenta.
     fn arrive<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         (system, rates, motion): View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
-        series: &[[T; D]],
+        start: &Saved<Y::Count, T, D>,
+        (series, led): (&[[T; D]], &mut [[T; D]]),
         h: f64,
-    ) -> Result<(), Failure> {
+    ) -> Result<Result<(), Failure>, Failure> {
         let n = bodies.q.as_ref().len();
         let orders = series.len().checked_div(n).unwrap_or(0);
         let unit = motion.unit(bodies);
@@ -345,10 +372,10 @@ impl Taylor {
             (*q, *q_low) = two_sum(q, &sum(q_low, &way));
             let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
             (*p, *p_low) = two_sum(p, &sum(p_low, &impulse));
+            (led[body], led[n + body]) = (*q, *p);
         }
         bodies.work = bodies.work + motion.expanded_work(bodies, h);
         bodies.time += h;
-        rates.project(h, bodies)?;
-        system.settle(0.0, h, bodies, &mut ())
+        land(h, (system, rates), start, bodies)
     }
 }

@@ -9,12 +9,13 @@
 
 use crate::error::MethodFailure;
 use crate::motion::bodies::Saved;
+use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
 use crate::motion::method::Method;
 use crate::motion::parts::BodiesOf;
 use crate::motion::system::System;
 use crate::number::real::Scalar;
-use crate::number::vector::{dot, largest};
+use crate::number::vector::{add_scaled, dot, largest};
 
 /// An energy that changes by more than this part of what took part in the change has jumped: accurate steps stay far
 /// below, and coarse ones of `Bdf2`, which damps, below.
@@ -27,6 +28,13 @@ pub(crate) const STEADY: f64 = (1.0 + JUMP) / (1.0 - JUMP);
 /// A jump by less than so many roundings of the potential energy comes from there; and a way of less than so many of
 /// places is none.
 const ROUNDINGS: f64 = 64.0;
+
+/// An inner step that is [moved](moved) onto the constraints by so many times the tolerance is too long: of the right
+/// ones that were looked at none was by more than a few times it.
+pub(crate) const ASTRAY: f64 = 64.0;
+
+/// By so many roundings of places and ways it may be moved.
+pub(crate) const ROUNDINGS_OF_WAYS: f64 = 256.0;
 
 /// Looks at a step of this length by a method, unless the method has done it.
 #[inline(always)]
@@ -71,17 +79,60 @@ pub(crate) fn check_energy<T: Scalar, Y: System<T, D>, const D: usize>(
     if changes && system.keeps_energy() { account(h, system, before, now, [was, is]) } else { Ok(()) }
 }
 
-/// Looks at an inner step of this length, of a step of which so much was left when it began.
+/// Takes bodies onto the constraints from where an inner step of this length led regardless of them. The inner failure
+/// is a kink before that place: from beyond a sharp edge Newton's iteration goes to and fro, and ends on the edge itself,
+/// which by rounding may be this side of it, so that the place where it ends tells nothing.
+#[inline(always)]
+pub(crate) fn land<T: Scalar, Y: System<T, D>, const D: usize>(
+    h: f64,
+    (system, rates): (&Y, &Y::Rates),
+    before: &Saved<Y::Count, T, D>,
+    bodies: &mut BodiesOf<Y, T, D>,
+) -> Result<Result<(), Failure>, Failure> {
+    let ahead = system.check_kinks(before, bodies);
+    let landed = rates.project(h, bodies).and_then(|()| system.settle(0.0, h, bodies, &mut ()));
+    if ahead.is_ok() { landed.map(|()| ahead) } else { Ok(ahead) }
+}
+
+/// By how much bodies were moved onto the constraints at the end of an inner step, with velocities times the whole step,
+/// beyond what may be rounding; the most of all bodies, and of which body. `led` are places and momenta before. It is a
+/// part of the error, whatever the estimate of the method: where a constraint bends between two stages, as a rounded
+/// edge does, none of them knows of it.
+#[inline(always)]
+pub(crate) fn moved<T: Scalar, Y: System<T, D>, const D: usize>(
+    whole: f64,
+    system: &Y,
+    bodies: &mut BodiesOf<Y, T, D>,
+    [places, momenta]: [&[[T; D]]; 2],
+) -> (f64, usize) {
+    let [h, minus, rounding] = [whole.abs(), -1.0, ROUNDINGS_OF_WAYS * T::EPSILON].map(T::from_f64);
+    let mut worst = (0.0, 0);
+    for body in 0..bodies.q.as_ref().len() {
+        let (q, p) = (bodies.q.as_ref()[body], bodies.p.as_ref()[body]);
+        let size = largest(&q) + h * largest(&system.velocity(bodies, body));
+        bodies.p.as_mut()[body] = add_scaled(&p, minus, &momenta[body]);
+        let (way, change) = (add_scaled(&q, minus, &places[body]), system.velocity(bodies, body));
+        bodies.p.as_mut()[body] = p;
+        let moved = dot(&way, &way).sqrt() + h * dot(&change, &change).sqrt() - rounding * size;
+        if moved.to_f64() > worst.0 {
+            worst = (moved.to_f64(), body);
+        }
+    }
+    worst
+}
+
+/// Looks at an inner step of this length, of a step of which so much was left when it began, that has
+/// [landed](land) so.
 #[inline(always)]
 pub(crate) fn look_inside<S: Method, T: Scalar, Y: System<T, D>, const D: usize>(
     method: &S,
-    left: f64,
-    inner: f64,
+    [left, inner]: [f64; 2],
     system: &Y,
     before: &Saved<Y::Count, T, D>,
     now: &mut BodiesOf<Y, T, D>,
+    landed: Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let looked = look::<S, T, Y, D>(inner, system, before, now);
+    let looked = landed.and_then(|()| look::<S, T, Y, D>(inner, system, before, now));
     looked.map_err(|failure| {
         let whole = method.step_size();
         failure.of_part(1.0 - left / whole, inner / whole)

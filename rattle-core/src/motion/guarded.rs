@@ -36,6 +36,13 @@ pub trait Guarded<T: Scalar, const D: usize>: Affected<T, D> {
         Ok(())
     }
 
+    /// Whether what changes its sign where a normal may jump has another one at the present positions than at the saved
+    /// ones. Where there are kinks, this tells whether to [look](Self::check_kinks).
+    #[inline(always)]
+    fn changes_sides(&self, _before: &Saved<Self::Count, T, D>, _now: &BodiesOf<Self, T, D>) -> bool {
+        false
+    }
+
     /// Writes ∇g for every body at the present positions, of the equation whose normal jumps according to
     /// [`check_kinks`](Self::check_kinks). Systems that report kinks must implement this.
     fn kinked_normal(&self, _bodies: &BodiesOf<Self, T, D>, _kink: &Failure, normal: &mut [[T; D]]) {

@@ -11,7 +11,7 @@ use crate::number::lanes::Lane;
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::dop853_row::{add_square, combine, error, fit, length, reach};
 use crate::run::ensemble::laws::Laws;
-use crate::run::ensemble::projected::{Projects, least_tolerance};
+use crate::run::ensemble::projected::{Projects, least_tolerance, look_for_kinks};
 use crate::run::ensemble::projected_row::Place;
 use crate::run::ensemble::row::pull;
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
@@ -58,6 +58,7 @@ impl<S: Lane, const L: usize, const D: usize> Projects<S, L, D> for Dop853 {
             inner[l] = S::select(left[l].abs().le(inner[l].abs()), left[l], inner[l]);
         }
         (v[0], f[0]) = (now.p, now.pull);
+        let mut beyond = [false; L];
         for stage in 1..STAGES {
             for d in 0..D {
                 let low = [&now.q_low[d], &now.p_low[d]];
@@ -68,9 +69,15 @@ impl<S: Lane, const L: usize, const D: usize> Projects<S, L, D> for Dop853 {
                 reach::<S, L, SUMS>(inner, &y, [&now.p[d], low[1]], &mut v[stage][d]);
             }
             rates(laws, q, &v[stage], &mut f[stage]);
+            look_for_kinks(laws, [&now.q, q], &mut beyond);
         }
         match self.tolerance() {
-            None => (*next, *taken) = (*inner, [true; L]),
+            None => {
+                (*next, *taken) = (*inner, [true; L]);
+                if beyond.contains(&true) {
+                    leave(&beyond, next, taken);
+                }
+            }
             Some(tolerance) => {
                 let (mut fifth, mut third) = ([S::default(); L], [S::default(); L]);
                 let whole = S::from_f64(self.step_size().abs());
@@ -107,6 +114,15 @@ impl<S: Lane, const L: usize, const D: usize> Projects<S, L, D> for Dop853 {
         (0..parts).try_for_each(|_| {
             part.step::<S, OnSurface<K, F, One, OneByOne>, _, D>((system, system), bodies, &mut [], &mut ())
         })
+    }
+}
+
+/// Has lanes go by themselves that have a stage beyond a kink: their inner step is not taken, and the next one none.
+#[cold]
+fn leave<S: Lane, const L: usize>(beyond: &[bool; L], next: &mut [S; L], taken: &mut [bool; L]) {
+    for l in 0..L {
+        taken[l] = !beyond[l];
+        next[l] = S::select(beyond[l], S::default(), next[l]);
     }
 }
 

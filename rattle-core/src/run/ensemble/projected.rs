@@ -21,6 +21,7 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::sign_changes;
 use crate::methods::dop853::SMALLEST_PART;
 use crate::motion::bodies::One;
+use crate::motion::course::{ASTRAY, ROUNDINGS_OF_WAYS};
 use crate::motion::failure::Failure;
 use crate::motion::method::Method;
 use crate::number::lanes::Lane;
@@ -127,6 +128,7 @@ where
     for pass in 0..MOST_PASSES {
         method.sum::<SUMS>(laws, now, left, inner, next, taken, [way, change], room);
         depart::<S, L, D, SUMS>(now, [way, change], inner, trial, rounding);
+        look_ahead(laws, [&now.q, &trial.q], going, taken);
         seek(going, taken, seeking, distance);
         for _ in 0..MOST_NEWTON_STEPS {
             if !approach::<S, L, D, SUMS>(laws, rounding, trial, seeking, distance) {
@@ -135,6 +137,9 @@ where
         }
         settle::<S, L, D, SUMS>(laws, trial);
         look(laws, inner, [now, trial], seeking, strays, going, taken);
+        if let Some(tolerance) = method.method().tolerance() {
+            weigh(h, S::from_f64(tolerance), [way, change], [now, trial], going, taken);
+        }
         if let Some((bends, left_out, tolerance)) = method.bends(room) {
             compare(h, inner, (bends, left_out), S::from_f64(tolerance), [now, trial], going, taken);
         }
@@ -170,6 +175,39 @@ fn depart<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
             put(p_low, l, momentum_low);
         }
         rounding[l] = unit * largest(&place).max(largest(&scaled(inner[l], &momentum)));
+    }
+}
+
+/// Whether a kink may lie between places of each lane; nothing at all where there are none.
+#[inline(always)]
+pub(super) fn look_for_kinks<S: Lane, X: Laws<S, D>, const L: usize, const D: usize>(
+    laws: &X,
+    [from, to]: [&Vectors<S, L, D>; 2],
+    found: &mut [bool; L],
+) {
+    if const { !X::Constraint::KINKS.is_empty() } {
+        for l in 0..L {
+            found[l] |= sign_changes(laws.constraint(l).borrow(), &[at(from, l)], &[at(to, l)]);
+        }
+    }
+}
+
+/// Has lanes go by themselves for which a kink may lie before where their inner step led, regardless of the constraint:
+/// from there Newton's iteration may end [on the edge itself](crate::motion::course::land).
+#[inline(always)]
+fn look_ahead<S: Lane, X: Laws<S, D>, const L: usize, const D: usize>(
+    laws: &X,
+    [from, to]: [&Vectors<S, L, D>; 2],
+    going: &mut [S; L],
+    taken: &[bool; L],
+) {
+    if const { !X::Constraint::KINKS.is_empty() } {
+        let mut ahead = [false; L];
+        look_for_kinks(laws, [from, to], &mut ahead);
+        for l in 0..L {
+            let moves = S::default().lt(going[l]) & taken[l];
+            going[l] = S::select(moves & ahead[l], S::from_f64(BY_ITSELF), going[l]);
+        }
     }
 }
 
@@ -291,6 +329,31 @@ fn look<S: Lane, X: Laws<S, D>, const L: usize, const D: usize>(
         }
         strays[l] = S::select(moves & strays[l].lt(strayed), strayed, strays[l]);
         going[l] = S::select(moves & !believed, S::from_f64(BY_ITSELF), going[l]);
+    }
+}
+
+/// Has lanes go by themselves that were [moved](crate::motion::course::moved) onto the constraint too far for the
+/// tolerance.
+#[inline(always)]
+fn weigh<S: Lane, const L: usize, const D: usize>(
+    h: S,
+    tolerance: S,
+    [way, change]: [&Vectors<S, L, D>; 2],
+    [now, trial]: [&Place<S, L, D>; 2],
+    going: &mut [S; L],
+    taken: &[bool; L],
+) {
+    let [zero, minus, astray, roundings] =
+        [0.0, -1.0, ASTRAY, ROUNDINGS_OF_WAYS * S::EPSILON].map(S::from_f64);
+    for l in 0..L {
+        let (q, p) = (at(&trial.q, l), at(&trial.p, l));
+        let off = add_scaled(&q, minus, &sum(&at(&now.q, l), &at(way, l)));
+        let turned = add_scaled(&p, minus, &sum(&at(&now.p, l), &at(change, l)));
+        let moved = dot(&off, &off).sqrt() + h.abs() * dot(&turned, &turned).sqrt();
+        let size = largest(&q) + h.abs() * largest(&p);
+        let within = moved.le(astray * tolerance.max(least_tolerance(&q)) + roundings * size);
+        let moves = zero.lt(going[l]) & taken[l];
+        going[l] = S::select(moves & !within, S::from_f64(BY_ITSELF), going[l]);
     }
 }
 

@@ -123,6 +123,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Guarded<f64, D> for Linked<F, 
         Ok(())
     }
 
+    fn changes_sides(&self, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> bool {
+        let (time, q) = ([before.time, now.time], [before.q.as_ref(), now.q.as_ref()]);
+        self.shape.kinked.iter().any(|group| group.changes_sides(time, q))
+    }
+
     fn kinked_normal(&self, bodies: &BodiesOf<F, N, D>, kink: &Failure, normal: &mut [[f64; D]]) {
         normal.fill([0.0; D]);
         let StepFailure::Kink { equation: Some(equation), .. } = &kink.cause else { return };

@@ -78,6 +78,8 @@ pub(crate) trait LinkGroup<const D: usize>: Any + Debug + Send + Sync {
 
     /// Whether there are kinks.
     fn has_kinks(&self) -> bool;
+    /// Whether what changes its sign where a normal may jump has another one at the second places and times.
+    fn changes_sides(&self, time: [f64; 2], q: [&[[f64; D]]; 2]) -> bool;
     /// The first member of which a normal jumps on the straight way between two places and times.
     fn kink(&self, time: [f64; 2], q: [&[[f64; D]]; 2]) -> Option<(usize, Kink)>;
 
@@ -346,6 +348,16 @@ where
             let changes = sign_changes(kernel, &[from], &[to]);
             let kink = if changes { first_kink(kernel, &[from], &[to]) } else { None };
             kink.map(|kink| (member, kink))
+        })
+    }
+
+    fn changes_sides(&self, time: [f64; 2], q: [&[[f64; D]]; 2]) -> bool {
+        if const { G::KINKS.is_empty() } {
+            return false;
+        }
+        (0..self.members.len()).any(|member| {
+            let [from, to] = [0, 1].map(|i| self.gather(member, q[i], time[i]));
+            sign_changes(self.kernel(member), &[from], &[to])
         })
     }
 

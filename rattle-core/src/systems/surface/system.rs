@@ -159,6 +159,15 @@ where
         Ok(())
     }
 
+    #[inline(always)]
+    fn changes_sides(&self, before: &Saved<N, T, D>, now: &BodiesOf<N, T, F, D>) -> bool {
+        if const { K::KINKS.is_empty() } {
+            return false;
+        }
+        let mut ways = before.q.as_ref().iter().zip(now.q.as_ref());
+        ways.any(|(from, to)| sign_changes(&self.constraint, &[*from], &[*to]))
+    }
+
     fn kinked_normal(&self, bodies: &BodiesOf<N, T, F, D>, kink: &Failure, normal: &mut [[T; D]]) {
         normal.fill([T::from_f64(0.0); D]);
         normal[kink.body] = bodies.kept.normal.as_ref()[kink.body].gradient;
