@@ -89,6 +89,7 @@ mod look;
 mod loops;
 mod phase_energy;
 mod phase_fibre;
+mod phase_hidden;
 mod phase_lanes;
 mod phase_numbers;
 mod phase_row;

@@ -11,6 +11,7 @@
 use crate::kernel::functions::PhaseConstraintKernel;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
+use crate::number::vector::largest;
 use crate::number::vectors::at;
 use crate::run::ensemble::phase_row::{Each, Laws, Points, ROW, Vector, ZEROS};
 use crate::systems::phase::fibre::{A, B, CONTRACTION, STAGES};
@@ -45,9 +46,13 @@ pub(super) struct Slide<const D: usize, const M: usize> {
     /// z̃ − z.
     pub(super) change: Points<D>,
     sliding: Each,
-    moved: Each,
+    /// The largest Kᵢ, by which they have moved, and with what weights both count, of positions and of momenta.
+    sizes: [Each; 2],
+    moved: [Each; 2],
+    weights: [Each; 2],
+    /// One size for both, and what the last pass and the one before it moved.
     size: Each,
-    last: Each,
+    last: [Each; 2],
 }
 
 impl<const D: usize, const M: usize> Slide<D, M> {
@@ -57,9 +62,11 @@ impl<const D: usize, const M: usize> Slide<D, M> {
         speeds: [const { Points::ZERO }; STAGES],
         change: Points::ZERO,
         sliding: ZEROS,
-        moved: ZEROS,
+        sizes: [ZEROS; 2],
+        moved: [ZEROS; 2],
+        weights: [ZEROS; 2],
         size: ZEROS,
-        last: ZEROS,
+        last: [ZEROS; 2],
     };
 
     /// Has all stages begin with the directions of the first.
@@ -83,26 +90,28 @@ impl<const D: usize, const M: usize> Slide<D, M> {
         anew: bool,
         going: &mut Each,
     ) {
-        let Self { directions, stages, speeds, change, sliding, moved, size, last } = self;
+        let Self { directions, stages, speeds, change, sliding, sizes, moved, weights, size, last } = self;
         for l in 0..ROW {
             let goes = Fused(0.0).lt(going[l]);
             sliding[l] = Real::select(goes, Fused(GOES), Fused(RESTS));
-            last[l] = Fused(f64::INFINITY);
         }
-        *size = ZEROS;
+        (*sizes, *last) = ([ZEROS; 2], [[Fused(f64::INFINITY); ROW]; 2]);
         for i in 0..STAGES {
-            speed(sigma, &directions[i], &mut speeds[i], size);
+            speed(sigma, &directions[i], &mut speeds[i], sizes);
         }
         for pass in 0..MOST_PASSES {
             for d in 0..D {
                 advance(d, &start.q, speeds, stages);
                 advance_momenta(d, &start.p, speeds, stages);
             }
-            *moved = ZEROS;
+            *moved = [ZEROS; 2];
             for i in 0..STAGES {
                 look(laws, &stages[i], sigma, sliding, &mut directions[i], &mut speeds[i], moved);
             }
-            if !decide(pass, anew, moved, size, last, sliding) {
+            if pass == 0 {
+                weigh(start, moved, sizes, weights, size);
+            }
+            if !decide(pass, anew, moved, weights, size, last, sliding) {
                 break;
             }
         }
@@ -116,26 +125,49 @@ impl<const D: usize, const M: usize> Slide<D, M> {
     }
 }
 
-/// Kᵢ, and the largest of its components and of what was found before.
+/// Kᵢ, and the largest of its components in positions and in momenta, and of what was found before.
 #[inline(always)]
 fn speed<const D: usize, const M: usize>(
     sigma: &[Each; M],
     directions: &[Points<D>; M],
     speed: &mut Points<D>,
-    size: &mut Each,
+    [size_q, size_p]: &mut [Each; 2],
 ) {
     for l in 0..ROW {
-        let mut most = size[l];
+        let (mut most_q, mut most_p) = (size_q[l], size_p[l]);
         for d in 0..D {
             let (mut q, mut p) = (Fused(0.0), Fused(0.0));
             for m in 0..M {
                 q = sigma[m][l].multiply_add(directions[m].q[d][l], q);
                 p = sigma[m][l].multiply_add(directions[m].p[d][l], p);
             }
-            most = most.max(q.abs()).max(p.abs());
+            (most_q, most_p) = (most_q.max(q.abs()), most_p.max(p.abs()));
             (speed.q[d][l], speed.p[d][l]) = (q, p);
         }
-        size[l] = most;
+        (size_q[l], size_p[l]) = (most_q, most_p);
+    }
+}
+
+/// With what weights positions and momenta count, as in a simulation, and the size of the Kᵢ then.
+#[inline(always)]
+fn weigh<const D: usize>(
+    start: &Points<D>,
+    moved: &[Each; 2],
+    sizes: &[Each; 2],
+    weights: &mut [Each; 2],
+    size: &mut Each,
+) {
+    let (zero, most) = (Fused(0.0), Fused(f64::MAX));
+    for l in 0..ROW {
+        let reach = [largest(&at(&start.q, l)), largest(&at(&start.p, l))];
+        size[l] = zero;
+        for part in 0..2 {
+            // What is zero at first may move in the first pass. One that begins to later is lost.
+            let motion = sizes[part][l].max(moved[part][l]);
+            let weight = Fused(1.0) / (motion.sqrt() * reach[part].max(motion).sqrt());
+            weights[part][l] = Real::select(zero.lt(motion), weight, most);
+            size[l] = size[l].max(motion * weights[part][l]);
+        }
     }
 }
 
@@ -177,8 +209,8 @@ fn advance_momenta<const D: usize>(
     }
 }
 
-/// The fₘ at a stage and its Kᵢ, where lanes are sliding; and the largest component by which that or one before has
-/// moved. (One that is no number shows at the end of the step.)
+/// The fₘ at a stage and its Kᵢ, where lanes are sliding; and the largest position and momentum by which that or one
+/// before has moved. (One that is no number shows at the end of the step.)
 #[inline(always)]
 fn look<const D: usize, const M: usize>(
     laws: &impl Laws<D, M>,
@@ -187,11 +219,11 @@ fn look<const D: usize, const M: usize>(
     sliding: &Each,
     directions: &mut [Points<D>; M],
     speed: &mut Points<D>,
-    moved: &mut Each,
+    [moved_q, moved_p]: &mut [Each; 2],
 ) {
     for l in 0..ROW {
         let (by_q, by_p) = laws.constraint(l).jacobians(&at(&stage.q, l), &at(&stage.p, l));
-        let (slides, mut most) = (Fused(0.0).lt(sliding[l]), moved[l]);
+        let (slides, mut most_q, mut most_p) = (Fused(0.0).lt(sliding[l]), moved_q[l], moved_p[l]);
         for d in 0..D {
             let (mut to_q, mut to_p) = (Fused(0.0), Fused(0.0));
             for m in 0..M {
@@ -201,33 +233,46 @@ fn look<const D: usize, const M: usize>(
                 to_q = sigma[m][l].multiply_add(q[d][l], to_q);
                 to_p = sigma[m][l].multiply_add(p[d][l], to_p);
             }
-            most = most.max((to_q - speed.q[d][l]).abs()).max((to_p - speed.p[d][l]).abs());
+            most_q = most_q.max((to_q - speed.q[d][l]).abs());
+            most_p = most_p.max((to_p - speed.p[d][l]).abs());
             (speed.q[d][l], speed.p[d][l]) = (to_q, to_p);
         }
-        moved[l] = most;
+        (moved_q[l], moved_p[l]) = (most_q, most_p);
     }
 }
 
 /// Which lanes rest now, and which go by themselves. Returns whether one is still sliding.
 #[inline(always)]
-fn decide(pass: usize, anew: bool, moved: &Each, size: &Each, last: &mut Each, sliding: &mut Each) -> bool {
+fn decide(
+    pass: usize,
+    anew: bool,
+    moved: &[Each; 2],
+    weights: &[Each; 2],
+    size: &Each,
+    last: &mut [Each; 2],
+    sliding: &mut Each,
+) -> bool {
     let [zero, half, goes, by_itself] = [0.0, 0.5, GOES, BY_ITSELF].map(Fused);
     let [left, epsilon, rounding, shrinks] = [LEFT, f64::EPSILON, ROUNDING, SHRINKS].map(Fused);
-    let slowest = Fused(if anew { CONTRACTION } else { NEARER });
+    let slowest = if anew { CONTRACTION } else { NEARER };
+    let slowest = Fused(slowest * slowest);
     let (first, late, end) = (pass == 0, pass > 1, pass + 1 == MOST_PASSES);
     let mut any = false;
     for l in 0..ROW {
-        let (off, before, size) = (moved[l], last[l], size[l]);
-        let rate = off / before;
-        let rate = Real::select(shrinks.le(rate), rate, shrinks);
+        let off = (moved[0][l] * weights[0][l]).max(moved[1][l] * weights[1][l]);
+        let (before, earlier, size) = (last[1][l], last[0][l], size[l]);
+        // Where passes move positions and momenta in turn, the slower of two tells what is left.
+        let rates = [off / before, before / earlier];
+        let [rate, other] = rates.map(|rate| Real::select(shrinks.le(rate), rate, shrinks));
+        let rate = rate.max(other);
         let is_noise = off.le(rounding * size);
         let still = off.le(epsilon * size) | (!first & (rate * off).le(left * size));
         let rests = still | (late & (half * before).le(off) & is_noise);
-        let slow = !first & !is_noise & !off.le(slowest * before);
+        let slow = late & !is_noise & !off.le(slowest * earlier);
         let lost = slow | end | !off.le(Fused(f64::MAX));
         let now = Real::select(rests, zero, Real::select(lost, by_itself, goes));
         sliding[l] = Real::select(zero.lt(sliding[l]), now, sliding[l]);
-        last[l] = off;
+        (last[0][l], last[1][l]) = (before, off);
         any |= zero.lt(sliding[l]);
     }
     any

@@ -6,20 +6,20 @@
 //! usual. **A lane for which the answer is not plain takes the step by itself**, as a simulation does: there the step
 //! is looked at inside, followed from its start, or refused. So a lane ends on no other sheet than a simulation does.
 
-use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
+use crate::kernel::functions::PhaseConstraintKernel;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::{dot, largest, two_sum};
 use crate::number::vectors::{at, put};
 use crate::run::ensemble::phase_energy::Leap;
 use crate::run::ensemble::phase_fibre::{BY_ITSELF, GOES, RESTS, Slide};
+use crate::run::ensemble::phase_hidden::{directions, evaluate, hidden, rates};
 use crate::run::ensemble::phase_numbers::{over, solve, turn, worst};
-use crate::run::ensemble::phase_row::{Each, Laws, Matrix, Number, Points, ROW, Row, ZEROS, matrix};
+use crate::run::ensemble::phase_row::{Each, Laws, Matrix, Points, ROW, Row, ZEROS, matrix};
 use crate::solve::aim::{Aim, ROUNDINGS};
 use crate::solve::root::{FAR_GUESS, SHORT_PATH, straight};
 use crate::systems::phase::landing::STEADY;
 use crate::systems::phase::step::{NOISE, TURN};
-use std::array::from_fn;
 
 /// Corrections after which a lane goes by itself.
 const MOST_LOOKS: usize = 10;
@@ -128,8 +128,7 @@ fn guess<const D: usize, const M: usize>(
     slide.begin();
     let share = Fused(-0.5 * h);
     for l in 0..ROW {
-        let free = [at(&energy.p, l), at(&energy.q, l).map(|x| -x)];
-        let rates = along(laws, l, &row.high, &free, gradients, energy);
+        let rates = rates(laws, l, &row.high, gradients, energy);
         let lambda = solve(matrix(&row.slopes, l), rates);
         let mut finite = Fused(0.0);
         for m in 0..M {
@@ -236,48 +235,11 @@ fn settle<const D: usize, const M: usize>(laws: &impl Laws<D, M>, scratch: &mut 
             directions(gradients, &mut slide.directions[0]);
             slide.begin();
         }
-        for j in 0..M {
-            hidden(laws, place, j, gradients, energy, slopes);
-        }
-        vanishing(gradients, energy, slopes, reach, value, size);
+        hidden(laws, place, gradients, energy, reach, slopes, value, size);
         if !decide(number, value, size, size, roundings, going) {
             break;
         }
         correct(value, slopes, correction, going, sigma, corrected);
-    }
-}
-
-/// Gradients of g and H.
-#[inline(always)]
-fn evaluate<const D: usize, const M: usize>(
-    laws: &impl Laws<D, M>,
-    place: &Points<D>,
-    gradients: &mut [Points<D>; M],
-    energy: &mut Points<D>,
-) {
-    for l in 0..ROW {
-        let (by_q, by_p) = laws.constraint(l).jacobians(&at(&place.q, l), &at(&place.p, l));
-        for m in 0..M {
-            put(&mut gradients[m].q, l, by_q[m]);
-            put(&mut gradients[m].p, l, by_p[m]);
-        }
-    }
-    for l in 0..ROW {
-        let (by_q, by_p) = laws.energy(l).gradients(&at(&place.q, l), &at(&place.p, l));
-        put(&mut energy.q, l, by_q);
-        put(&mut energy.p, l, by_p);
-    }
-}
-
-/// The directions of fibres, (−∂gᵢ/∂p, ∂gᵢ/∂q).
-#[inline(always)]
-fn directions<const D: usize, const M: usize>(gradients: &[Points<D>; M], to: &mut [Points<D>; M]) {
-    for m in 0..M {
-        for d in 0..D {
-            for l in 0..ROW {
-                (to[m].q[d][l], to[m].p[d][l]) = (-gradients[m].p[d][l], gradients[m].q[d][l]);
-            }
-        }
     }
 }
 
@@ -293,72 +255,6 @@ fn fibres<const D: usize, const M: usize>(
         for m in 0..M {
             put(&mut to[m].q, l, by_p[m].map(|x| -x));
             put(&mut to[m].p, l, by_q[m]);
-        }
-    }
-}
-
-/// By how much {gᵢ, H} change in a lane with the point along (dq, dp).
-#[inline(always)]
-fn along<const D: usize, const M: usize>(
-    laws: &impl Laws<D, M>,
-    l: usize,
-    place: &Points<D>,
-    [dq, dp]: &[[Number; D]; 2],
-    gradients: &[Points<D>; M],
-    energy: &Points<D>,
-) -> [Number; M] {
-    let (q, p) = (at(&place.q, l), at(&place.p, l));
-    let (g_q, g_p) = laws.constraint(l).hessian_vector(&q, &p, dq, dp);
-    let (h_q, h_p) = laws.energy(l).hessian_vector(&q, &p, dq, dp);
-    let (energy_q, energy_p) = (at(&energy.q, l), at(&energy.p, l));
-    from_fn(|i| {
-        let by_g = dot(&g_q[i], &energy_p) - dot(&g_p[i], &energy_q);
-        let by_h = dot(&at(&gradients[i].q, l), &h_p) - dot(&at(&gradients[i].p, l), &h_q);
-        by_g + by_h
-    })
-}
-
-/// Column j of N.
-#[inline(always)]
-fn hidden<const D: usize, const M: usize>(
-    laws: &impl Laws<D, M>,
-    place: &Points<D>,
-    j: usize,
-    gradients: &[Points<D>; M],
-    energy: &Points<D>,
-    slopes: &mut Matrix<M>,
-) {
-    for l in 0..ROW {
-        let fibre = [at(&gradients[j].p, l).map(|x| -x), at(&gradients[j].q, l)];
-        let column = along(laws, l, place, &fibre, gradients, energy);
-        for i in 0..M {
-            slopes[i][j][l] = column[i];
-        }
-    }
-}
-
-/// {gᵢ, H} and its size.
-#[inline(always)]
-fn vanishing<const D: usize, const M: usize>(
-    gradients: &[Points<D>; M],
-    energy: &Points<D>,
-    slopes: &Matrix<M>,
-    reach: &Points<D>,
-    value: &mut [Each; M],
-    size: &mut [Each; M],
-) {
-    for l in 0..ROW {
-        let reach = [at(&reach.q, l), at(&reach.p, l)];
-        let energy = [at(&energy.q, l), at(&energy.p, l)];
-        let gradients: [_; M] = from_fn(|i| [at(&gradients[i].q, l), at(&gradients[i].p, l)]);
-        for i in 0..M {
-            let mut sizes = Fused(0.0);
-            for j in 0..M {
-                let [q, p] = &gradients[j];
-                sizes = slopes[i][j][l].abs().multiply_add(over(&reach, &[*p, *q]), sizes);
-            }
-            size[i][l] = sizes;
-            value[i][l] = dot(&gradients[i][0], &energy[1]) - dot(&gradients[i][1], &energy[0]);
         }
     }
 }

@@ -10,6 +10,7 @@
 
 use crate::kernel::functions::PhaseConstraintKernel;
 use crate::systems::phase::point::Point;
+use std::array::from_fn;
 
 /// Stages of the method.
 pub(crate) const STAGES: usize = 5;
@@ -91,28 +92,47 @@ fn part<K: PhaseConstraintKernel<f64, D, M>, const D: usize, const M: usize>(
 ) -> Option<Point<D>> {
     let first = direction(constraint, &start.plus(before), sigma);
     let mut stages = [first; STAGES];
-    let (mut last, mut size) = (f64::INFINITY, first.size());
+    let (reach, mut sizes) = (start.plus(before).sizes(), first.sizes());
+    let mut last = [f64::INFINITY; 2];
     for iteration in 0..MAX_ITERATIONS {
-        let mut moved = 0.0_f64;
+        let mut off = [0.0; 2];
         let old = stages;
         for (stage, row) in stages.iter_mut().zip(A) {
             let inner = old.iter().zip(row).fold(*before, |sum, (stage, a)| sum.plus(&stage.times(a)));
             let new = direction(constraint, &start.plus(&inner), sigma);
-            moved = moved.max(new.minus(stage).size());
-            size = size.max(new.size());
+            off = larger(&off, &new.minus(stage).sizes());
+            sizes = larger(&sizes, &new.sizes());
             *stage = new;
         }
-        // Sizes compare coordinates with momenta; they only decide when to stop, at the rounding of the change or where
-        // nothing comes nearer any more.
-        if moved <= f64::EPSILON * size || (iteration > 1 && moved >= 0.5 * last && moved <= 1e-13 * size) {
+        let weighed = |part: &[f64; 2]| weighed(part, &sizes, &reach);
+        let (moved, size) = (weighed(&off), weighed(&sizes));
+        if moved <= f64::EPSILON * size || (iteration > 1 && moved >= 0.5 * last[1] && moved <= 1e-13 * size)
+        {
             return Some(stages.iter().zip(B).fold(*before, |sum, (stage, b)| sum.plus(&stage.times(b))));
         }
-        if !moved.is_finite() || (iteration > 0 && moved > CONTRACTION * last && moved > 1e-13 * size) {
+        // By two passes: where coordinates move by momenta and momenta by coordinates, one may seem to bring nothing.
+        if !moved.is_finite() || (moved > CONTRACTION * CONTRACTION * last[0] && moved > 1e-13 * size) {
             return None;
         }
-        last = moved;
+        last = [last[1], moved];
     }
     None
+}
+
+/// The larger ones.
+fn larger(a: &[f64; 2], b: &[f64; 2]) -> [f64; 2] {
+    from_fn(|i| a[i].max(b[i]))
+}
+
+/// One size for a change of coordinates and one of momenta: each by the root of how large they are times how large
+/// their motion along the fibre is. Where momenta move by a·q and coordinates by b·p, these are as √b and √a, so that
+/// both changes count alike. That does not depend on units.
+fn weighed(change: &[f64; 2], motion: &[f64; 2], reach: &[f64; 2]) -> f64 {
+    let part = |i: usize| {
+        let (change, motion) = (change[i], motion[i]);
+        if change == 0.0 { 0.0 } else { change / (motion.sqrt() * reach[i].max(motion).sqrt()) }
+    };
+    part(0).max(part(1))
 }
 
 /// (−∂(σ·g)/∂p, ∂(σ·g)/∂q).

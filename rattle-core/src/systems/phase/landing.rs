@@ -10,7 +10,6 @@
 
 use crate::error::{PhaseFailure, StepFailure};
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
-use crate::number::vector::dot;
 use crate::solve::aim::{GROWTH, INSIDE, INSIDE_PARTS, LITTLE_OFF, ROUNDINGS, grows_to};
 use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, Part, SHORT_PATH, follow, straight};
 use crate::systems::phase::fibre::slide;
@@ -108,8 +107,7 @@ where
                 for j in 0..M {
                     let v = step.tangent(self.energy, h, &before.fibre(j))?;
                     for i in 0..M {
-                        let gradient = &level.gradients[i];
-                        there[i][j] = dot(&gradient.q, &v.q) + dot(&gradient.p, &v.p);
+                        there[i][j] = level.gradients[i].along(&v);
                     }
                 }
                 slopes = Some([slopes.map_or(there, |[first, _]: [_; 2]| first), there]);
@@ -178,8 +176,8 @@ where
 
     /// Whether two landings are one, but for rounding.
     fn are_the_same(&self, one: &Landing<D, M>, other: &Landing<D, M>) -> bool {
-        let size = self.start.size() + other.change.size();
-        one.change.minus(&other.change).size() <= NOISE * f64::EPSILON * size
+        let reach = self.start.reach(&other.change);
+        one.change.minus(&other.change).over(&reach) <= NOISE * f64::EPSILON
     }
 
     /// Whether g of the suspects, after the share s of the step and this slide, lets expect what it was off by at the

@@ -41,9 +41,22 @@ impl<const D: usize> Point<D> {
         };
         part(&self.q, &other.q).max(part(&self.p, &other.p))
     }
-    /// The largest component.
-    pub(super) fn size(&self) -> f64 {
-        largest(&self.q).max(largest(&self.p))
+    /// The largest coordinate and the largest momentum.
+    pub(super) fn sizes(&self) -> [f64; 2] {
+        [largest(&self.q), largest(&self.p)]
+    }
+    /// What a function with these slopes changes by along a direction.
+    pub(super) fn along(&self, direction: &Self) -> f64 {
+        dot(&self.q, &direction.q) + dot(&self.p, &direction.p)
+    }
+    /// The size of the terms of that.
+    fn size_along(&self, direction: &Self) -> f64 {
+        products(&self.q, &direction.q) + products(&self.p, &direction.p)
+    }
+    /// The largest coordinate for all of them, and the largest momentum.
+    fn most(&self) -> Self {
+        let [q, p] = self.sizes();
+        Self { q: [q; D], p: [p; D] }
     }
 }
 
@@ -66,10 +79,8 @@ impl<const D: usize, const M: usize> Level<D, M> {
     {
         let (value, by_q, by_p) = constraint.value_and_jacobians(&at.q, &at.p);
         let gradients = from_fn(|i| Point { q: by_q[i], p: by_p[i] });
-        let size = gradients.map(|g| products(&g.q, &reach.q) + products(&g.p, &reach.p));
-        let most = Point { q: [largest(&reach.q); D], p: [largest(&reach.p); D] };
-        let extent = gradients.map(|g| products(&g.q, &most.q) + products(&g.p, &most.p));
-        Self { value, gradients, size, extent }
+        let (size, most) = (gradients.map(|g| g.size_along(reach)), reach.most());
+        Self { value, gradients, size, extent: gradients.map(|g| g.size_along(&most)) }
     }
 
     /// g as a part of what it is made of, its slopes times the largest coordinates.
@@ -91,8 +102,8 @@ impl<const D: usize, const M: usize> Level<D, M> {
 /// The hidden constraint hᵢ = {gᵢ, H}, with what says how it changes.
 pub(super) struct Hidden<const D: usize, const M: usize> {
     pub(super) value: [f64; M],
-    /// Σ |Nᵢⱼ| sⱼ, where a slide by sⱼ is as long as the reach: times ε the rounding of hᵢ that comes from that of the
-    /// point.
+    /// Σ |∂hᵢ/∂zₖ| rₖ with r the largest coordinates and momenta of the reach: times ε the rounding of hᵢ that comes
+    /// from that of the point, in whatever units q and p are.
     pub(super) size: [f64; M],
     /// Nᵢⱼ = ∂hᵢ/∂σⱼ, along the fibre.
     pub(super) slopes: [[f64; M]; M],
@@ -111,26 +122,23 @@ impl<const D: usize, const M: usize> Hidden<D, M> {
     {
         let level = Level::of(constraint, at, reach);
         let (by_q, by_p) = energy.gradients(&at.q, &at.p);
-        let energy_gradient = Point { q: by_q, p: by_p };
-        let along = |v: &Point<D>| -> [(f64, f64); M] {
-            let (g_q, g_p) = constraint.hessian_vector(&at.q, &at.p, &v.q, &v.p);
-            let (h_q, h_p) = energy.hessian_vector(&at.q, &at.p, &v.q, &v.p);
-            let h = Point { q: h_q, p: h_p };
-            from_fn(|i| {
-                let by_g = bracket(&Point { q: g_q[i], p: g_p[i] }, &energy_gradient);
-                let by_h = bracket(&level.gradients[i], &h);
-                (by_g.0 + by_h.0, by_g.1 + by_h.1)
-            })
-        };
-        let columns: [_; M] = from_fn(|j| along(&level.fibre(j)));
-        let slopes: [[f64; M]; M] = from_fn(|i| from_fn(|j| columns[j][i].0));
-        let reaches: [f64; M] = from_fn(|j| reach.over(&level.fibre(j)));
+        let [slope, free] = [Point { q: by_q, p: by_p }, Point { q: by_p, p: scaled(-1.0, &by_q) }];
+        let fibres: [_; M] = from_fn(|j| level.fibre(j));
+        // ∇{gᵢ, H} = gᵢ″ (∂H/∂p, −∂H/∂q) + H″ (−∂gᵢ/∂p, ∂gᵢ/∂q), of which all else is made.
+        let (g_q, g_p) = constraint.hessian_vector(&at.q, &at.p, &free.q, &free.p);
+        let parts: [[Point<D>; 2]; M] = from_fn(|i| {
+            let (q, p) = energy.hessian_vector(&at.q, &at.p, &fibres[i].q, &fibres[i].p);
+            [Point { q: g_q[i], p: g_p[i] }, Point { q, p }]
+        });
+        let gradients = parts.map(|[by_g, by_h]| by_g.plus(&by_h));
+        let terms = parts.iter().flatten().flat_map(|part| fibres.map(|fibre| part.size_along(&fibre)));
+        let most = reach.most();
         Self {
-            value: level.gradients.map(|g| bracket(&g, &energy_gradient).0),
-            size: slopes.map(|row| products(&row, &reaches)),
-            slopes,
-            slope_size: columns.iter().flatten().map(|(_, size)| *size).fold(0.0, f64::max),
-            rates: along(&Point { q: by_p, p: scaled(-1.0, &by_q) }).map(|(rate, _)| rate),
+            value: level.gradients.map(|g| bracket(&g, &slope).0),
+            size: gradients.map(|h| h.size_along(&most)),
+            slopes: gradients.map(|h| fibres.map(|fibre| h.along(&fibre))),
+            slope_size: terms.fold(0.0, f64::max),
+            rates: gradients.map(|h| h.along(&free)),
         }
     }
 

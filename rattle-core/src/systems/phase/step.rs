@@ -6,7 +6,7 @@ use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::start::START_TOLERANCE;
 use crate::motion::start::{MAX_PROJECTION_STEPS, finite};
 use crate::number::linear::solve;
-use crate::number::vector::{dot, sum, two_sum};
+use crate::number::vector::{sum, two_sum};
 use crate::solve::nearing::Nearing;
 use crate::systems::phase::fibre::slide;
 use crate::systems::phase::kept::InPhaseSpace;
@@ -181,11 +181,10 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
                     Err(_) => Err(StartFailure::NoProjection { distances: distances.into_iter().collect() }),
                 };
             }
-            let product = |a: &Point<D>, b: &Point<D>| dot(&a.q, &b.q) + dot(&a.p, &b.p);
-            let products = from_fn(|i| from_fn(|j| product(&gradients[i], &gradients[j])));
+            let products = from_fn(|i| from_fn(|j| gradients[i].along(&gradients[j])));
             let Some(weights) = solve(products, value) else { break };
             let step = (0..M).fold(Point::ZERO, |sum, i| sum.plus(&gradients[i].times(-weights[i])));
-            distances.push(product(&step, &step).sqrt());
+            distances.push(step.along(&step).sqrt());
             at = at.plus(&step);
         }
         Err(StartFailure::NoProjection { distances: distances.into_iter().collect() })
