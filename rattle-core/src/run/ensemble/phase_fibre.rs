@@ -50,9 +50,10 @@ pub(super) struct Slide<const D: usize, const M: usize> {
     sizes: [Each; 2],
     moved: [Each; 2],
     weights: [Each; 2],
-    /// One size for both, and what the last pass and the one before it moved.
+    /// One size for both; what the last pass and the one before it moved; and by what part that shrank.
     size: Each,
     last: [Each; 2],
+    rate: Each,
 }
 
 impl<const D: usize, const M: usize> Slide<D, M> {
@@ -67,6 +68,7 @@ impl<const D: usize, const M: usize> Slide<D, M> {
         weights: [ZEROS; 2],
         size: ZEROS,
         last: [ZEROS; 2],
+        rate: ZEROS,
     };
 
     /// Has all stages begin with the directions of the first.
@@ -90,12 +92,13 @@ impl<const D: usize, const M: usize> Slide<D, M> {
         anew: bool,
         going: &mut Each,
     ) {
-        let Self { directions, stages, speeds, change, sliding, sizes, moved, weights, size, last } = self;
+        let Self { directions, stages, speeds, change, sliding, sizes, moved, weights, size, last, rate } =
+            self;
         for l in 0..ROW {
             let goes = Fused(0.0).lt(going[l]);
             sliding[l] = Real::select(goes, Fused(GOES), Fused(RESTS));
         }
-        (*sizes, *last) = ([ZEROS; 2], [[Fused(f64::INFINITY); ROW]; 2]);
+        (*sizes, *last, *rate) = ([ZEROS; 2], [[Fused(f64::INFINITY); ROW]; 2], ZEROS);
         for i in 0..STAGES {
             speed(sigma, &directions[i], &mut speeds[i], sizes);
         }
@@ -111,7 +114,7 @@ impl<const D: usize, const M: usize> Slide<D, M> {
             if pass == 0 {
                 weigh(start, moved, sizes, weights, size);
             }
-            if !decide(pass, anew, moved, weights, size, last, sliding) {
+            if !decide(pass, anew, moved, weights, size, last, rate, sliding) {
                 break;
             }
         }
@@ -164,7 +167,7 @@ fn weigh<const D: usize>(
         for part in 0..2 {
             // What is zero at first may move in the first pass. One that begins to later is lost.
             let motion = sizes[part][l].max(moved[part][l]);
-            let weight = Fused(1.0) / (motion.sqrt() * reach[part].max(motion).sqrt());
+            let weight = Fused(1.0) / (motion * reach[part].max(motion)).sqrt();
             weights[part][l] = Real::select(zero.lt(motion), weight, most);
             size[l] = size[l].max(motion * weights[part][l]);
         }
@@ -243,6 +246,7 @@ fn look<const D: usize, const M: usize>(
 
 /// Which lanes rest now, and which go by themselves. Returns whether one is still sliding.
 #[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "what passes move, and what is made of it")]
 fn decide(
     pass: usize,
     anew: bool,
@@ -250,6 +254,7 @@ fn decide(
     weights: &[Each; 2],
     size: &Each,
     last: &mut [Each; 2],
+    rate: &mut Each,
     sliding: &mut Each,
 ) -> bool {
     let [zero, half, goes, by_itself] = [0.0, 0.5, GOES, BY_ITSELF].map(Fused);
@@ -262,9 +267,9 @@ fn decide(
         let off = (moved[0][l] * weights[0][l]).max(moved[1][l] * weights[1][l]);
         let (before, earlier, size) = (last[1][l], last[0][l], size[l]);
         // Where passes move positions and momenta in turn, the slower of two tells what is left.
-        let rates = [off / before, before / earlier];
-        let [rate, other] = rates.map(|rate| Real::select(shrinks.le(rate), rate, shrinks));
-        let rate = rate.max(other);
+        let (now, slower) = (off / before, rate[l]);
+        rate[l] = Real::select(shrinks.le(now), now, shrinks);
+        let rate = rate[l].max(slower);
         let is_noise = off.le(rounding * size);
         let still = off.le(epsilon * size) | (!first & (rate * off).le(left * size));
         let rests = still | (late & (half * before).le(off) & is_noise);

@@ -93,7 +93,7 @@ fn part<K: PhaseConstraintKernel<f64, D, M>, const D: usize, const M: usize>(
     let first = direction(constraint, &start.plus(before), sigma);
     let mut stages = [first; STAGES];
     let (reach, mut sizes) = (start.plus(before).sizes(), first.sizes());
-    let mut last = [f64::INFINITY; 2];
+    let (mut weights, mut last) = ([0.0; 2], [f64::INFINITY; 2]);
     for iteration in 0..MAX_ITERATIONS {
         let mut off = [0.0; 2];
         let old = stages;
@@ -104,8 +104,11 @@ fn part<K: PhaseConstraintKernel<f64, D, M>, const D: usize, const M: usize>(
             sizes = larger(&sizes, &new.sizes());
             *stage = new;
         }
-        let weighed = |part: &[f64; 2]| weighed(part, &sizes, &reach);
-        let (moved, size) = (weighed(&off), weighed(&sizes));
+        if iteration == 0 {
+            weights = from_fn(|i| weight(sizes[i], reach[i]));
+        }
+        let weighed = |[q, p]: [f64; 2]| (weights[0] * q).max(weights[1] * p);
+        let (moved, size) = (weighed(off), weighed(sizes));
         if moved <= f64::EPSILON * size || (iteration > 1 && moved >= 0.5 * last[1] && moved <= 1e-13 * size)
         {
             return Some(stages.iter().zip(B).fold(*before, |sum, (stage, b)| sum.plus(&stage.times(b))));
@@ -124,15 +127,11 @@ fn larger(a: &[f64; 2], b: &[f64; 2]) -> [f64; 2] {
     from_fn(|i| a[i].max(b[i]))
 }
 
-/// One size for a change of coordinates and one of momenta: each by the root of how large they are times how large
-/// their motion along the fibre is. Where momenta move by a·q and coordinates by b·p, these are as √b and √a, so that
-/// both changes count alike. That does not depend on units.
-fn weighed(change: &[f64; 2], motion: &[f64; 2], reach: &[f64; 2]) -> f64 {
-    let part = |i: usize| {
-        let (change, motion) = (change[i], motion[i]);
-        if change == 0.0 { 0.0 } else { change / (motion.sqrt() * reach[i].max(motion).sqrt()) }
-    };
-    part(0).max(part(1))
+/// By what changes of coordinates, or of momenta, count: one over the root of how large they are times how large their
+/// motion along the fibre is. Where momenta move by a·q and coordinates by b·p, these are as √b and √a, so that changes
+/// of both count alike. That does not depend on units.
+fn weight(motion: f64, reach: f64) -> f64 {
+    if motion > 0.0 { 1.0 / (motion * reach.max(motion)).sqrt() } else { f64::MAX }
 }
 
 /// (−∂(σ·g)/∂p, ∂(σ·g)/∂q).
