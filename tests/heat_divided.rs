@@ -43,7 +43,7 @@ fn temperature<S: Method>(
 #[test]
 fn fast_draws_are_as_frequent_as_they_should_be() {
     let scene = Scene::on(Sphere { r: 1.0 });
-    let heated = scene.clone().with(bath());
+    let heated = scene.with(bath());
     let kicked = scene.with(Andersen { rate: 1.0, temperature: KT, seed: 3 });
     for (name, found) in [
         ("g-BAOAB", temperature(&heated, Baoab::new(0.4))),

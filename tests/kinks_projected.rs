@@ -158,8 +158,8 @@ constraint! {
     |x, _y, z| z + slope * sqrt(x^2 + radius^2)
 }
 
-/// No stage and no term of a series knows of a rounded edge that the step passes over: one in thirty went on beyond with
-/// another energy, 27 % less of it at worst.
+/// No stage and no term of a series knows of a rounded edge that the step passes over: one in thirty went on beyond
+/// with another energy, 27 % less of it at worst.
 fn never_over_a_rounded_edge<M: Method + Copy>(method: impl Fn(f64) -> M) {
     let (mut random, mut ended, mut went) = (StdRng::seed_from_u64(8), 0, 0);
     for _ in 0..150 {

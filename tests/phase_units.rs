@@ -1,5 +1,5 @@
-//! {g, H} = 0 in phase space holds to rounding, also where a part of the fibre vanishes, and in whatever units positions
-//! and momenta are.
+//! {g, H} = 0 in phase space holds to rounding, also where a part of the fibre vanishes, and in whatever units
+//! positions and momenta are.
 
 use crate::common::order;
 use rattle::Error;

@@ -337,8 +337,8 @@ impl Taylor {
         longest
     }
 
-    /// Sums the series by Horner's rule and takes the bodies onto the constraints, as [`land`] does; `led` is where they
-    /// were before, all places and all momenta.
+    /// Sums the series by Horner's rule and takes the bodies onto the constraints, as [`land`] does; `led` is where
+    /// they were before, all places and all momenta.
     fn arrive<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         (system, rates, motion): View<'_, Self, T, Y, D>,

@@ -80,8 +80,8 @@ pub(crate) fn check_energy<T: Scalar, Y: System<T, D>, const D: usize>(
 }
 
 /// Takes bodies onto the constraints from where an inner step of this length led regardless of them. The inner failure
-/// is a kink before that place: from beyond a sharp edge Newton's iteration goes to and fro, and ends on the edge itself,
-/// which by rounding may be this side of it, so that the place where it ends tells nothing.
+/// is a kink before that place: from beyond a sharp edge Newton's iteration goes to and fro, and ends on the edge
+/// itself, which by rounding may be this side of it, so that the place where it ends tells nothing.
 #[inline(always)]
 pub(crate) fn land<T: Scalar, Y: System<T, D>, const D: usize>(
     h: f64,
@@ -94,10 +94,10 @@ pub(crate) fn land<T: Scalar, Y: System<T, D>, const D: usize>(
     if ahead.is_ok() { landed.map(|()| ahead) } else { Ok(ahead) }
 }
 
-/// By how much bodies were moved onto the constraints at the end of an inner step, with velocities times the whole step,
-/// beyond what may be rounding; the most of all bodies, and of which body. `led` are places and momenta before. It is a
-/// part of the error, whatever the estimate of the method: where a constraint bends between two stages, as a rounded
-/// edge does, none of them knows of it.
+/// By how much bodies were moved onto the constraints at the end of an inner step, with velocities times the whole
+/// step, beyond what may be rounding; the most of all bodies, and of which body. `led` are places and momenta before.
+/// It is a part of the error, whatever the estimate of the method: where a constraint bends between two stages, as a
+/// rounded edge does, none of them knows of it.
 #[inline(always)]
 pub(crate) fn moved<T: Scalar, Y: System<T, D>, const D: usize>(
     whole: f64,
