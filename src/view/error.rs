@@ -77,7 +77,7 @@ pub enum PageError {
     #[error(
         "scene `{scene}`: a page shows bodies with two or three coordinates, and a trajectory has {coordinates}"
     )]
-    Coordinates {
+    Dimension {
         /// The scene.
         scene: String,
         /// Coordinates of each body.

@@ -164,7 +164,7 @@ impl Scene3 {
     /// # Ok::<(), rattle::Error>(())
     /// ```
     ///
-    /// A page says [`PageError::Coordinates`] if the bodies have other than two or three coordinates.
+    /// A page says [`PageError::Dimension`] if the bodies have other than two or three coordinates.
     pub fn trajectory(mut self, trajectory: &Trajectory) -> Self {
         let [_, bodies, coordinates] = trajectory.shape();
         if bodies > 0 && !matches!(coordinates, 2 | 3) {
@@ -296,7 +296,7 @@ impl Scene3 {
     pub(super) fn check(&self) -> Result<(), PageError> {
         let scene = || self.title.clone();
         if let Some(coordinates) = self.coordinates {
-            return Err(PageError::Coordinates { scene: scene(), coordinates });
+            return Err(PageError::Dimension { scene: scene(), coordinates });
         }
         self.numbers("duration", [&self.seconds], true)?;
         self.numbers("period", self.periods.iter().filter(|&&period| period != 0.0), true)?;
