@@ -33,7 +33,7 @@ const STEEP: f64 = 0.4;
 /// A line is divided no more often.
 const DIVISIONS: u32 = 6;
 /// Pieces of a way when it is drawn tight, at first and in the end.
-const PIECES: [usize; 5] = [24, 48, 96, 192, 384];
+const PIECES: [usize; 3] = [24, 48, 96];
 /// How often each of its points is moved, for each number of pieces.
 const SWEEPS: usize = 120;
 /// By how much farther than to the middle.

@@ -123,8 +123,9 @@ fn part<K: PhaseConstraintKernel<f64, D, M>, const D: usize, const M: usize>(
 }
 
 /// The larger ones.
+#[inline(always)]
 fn larger(a: &[f64; 2], b: &[f64; 2]) -> [f64; 2] {
-    from_fn(|i| a[i].max(b[i]))
+    [a[0].max(b[0]), a[1].max(b[1])]
 }
 
 /// By what changes of coordinates, or of momenta, count: one over the root of how large they are times how large their
