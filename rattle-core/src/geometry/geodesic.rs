@@ -81,9 +81,12 @@ fn between<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     {
         return Ok(shot);
     }
+    // By more than rounding, which would choose among several tries at one geodesic.
+    let found = straight.map_or(f64::INFINITY, |shot| shot.distance);
     let others = detours(kernel, a, b).into_iter().filter_map(|way| along(kernel, &way));
-    let shortest = others.chain(straight.ok()).min_by(|one, other| one.distance.total_cmp(&other.distance));
-    shortest.map_or_else(|| straight.map_err(|missed| not_found(&chord, missed)), Ok)
+    let others = others.filter(|shot| shot.distance < (1.0 - SHORTER) * found);
+    let shortest = others.min_by(|one, other| one.distance.total_cmp(&other.distance));
+    shortest.map_or(straight, Ok).map_err(|missed| not_found(&chord, missed))
 }
 
 #[cold]
@@ -122,6 +125,9 @@ const LONGER: f64 = 1.05;
 
 /// A geodesic that is no longer than this, in straight distances, is taken for the shortest.
 const NOT_FAR: f64 = 1.1;
+
+/// Another geodesic is shorter if it is by this part.
+const SHORTER: f64 = 1e-9;
 
 /// How far a place may be off the surface, as part of its largest coordinate.
 const NEAR: f64 = 1e-9;
