@@ -260,7 +260,7 @@ fn any_two_points() {
 }
 
 /// Two places on the faces of a lens, one under the other: their chord is short, and the way goes around the rim, along
-/// a meridian there and back. Shooting from the chord comes to rest on the upper face, above b.
+/// a meridian there and back.
 #[test]
 fn around_the_rim_of_a_lens() {
     let (a, c) = (1.0, 0.2);
@@ -290,6 +290,34 @@ fn far_around() {
     }
     let apart = geodesic_distance(&Two {}, &vector![2.0, 0.0, 1.0], &vector![-2.0, 0.0, 1.0]);
     assert!(matches!(apart, Err(GeodesicError::NotFound { .. })), "{apart:?}");
+}
+
+/// Chords along both normals, which say nothing of a direction; on the sphere all ways are as long.
+#[test]
+fn to_the_opposite() {
+    let between = |q: [f64; 3], surface: &Ellipsoid| {
+        geodesic_distance(surface, &q.into(), &(-Vector3::from(q))).unwrap().distance
+    };
+    let r = 1.7;
+    let half = between([0.0, r, 0.0], &Ellipsoid { a: r, b: r, c: r });
+    assert!((half - r * std::f64::consts::PI).abs() < 1e-11, "{half}");
+    // Over the flatter side, half around an ellipse of semi-axes 1 and 0.4.
+    let (a, c, n) = (1.0_f64, 0.4_f64, 4000);
+    let speed = |i: i32| {
+        let t = std::f64::consts::PI * f64::from(i) / f64::from(n);
+        (a * t.sin()).hypot(c * t.cos())
+    };
+    let exact = (0..n).map(speed).sum::<f64>() * std::f64::consts::PI / f64::from(n); // periodic: to rounding
+    let over = between([a, 0.0, 0.0], &Ellipsoid { a, b: 0.7, c });
+    assert!((over - exact).abs() < 1e-12, "{over} for {exact}");
+    // Half of a meridian of a torus, through its hole.
+    let inside = geodesic_distance(
+        &Torus { major: 1.0, minor: 0.5 },
+        &vector![1.5, 0.0, 0.0],
+        &vector![0.5, 0.0, 0.0],
+    );
+    let off = inside.unwrap().distance - 0.5 * std::f64::consts::PI;
+    assert!(off.abs() < 1e-12, "{off:e}");
 }
 
 constraint! {

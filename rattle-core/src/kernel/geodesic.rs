@@ -26,6 +26,10 @@ const MOST_STRETCHES: usize = 400;
 const MOST_TRIES: usize = 60;
 /// Tries of a v that leads nearly there.
 const FEW_TRIES: usize = 12;
+/// Normals are opposite where their cosine and 1 add up to this.
+const OPPOSITE: f64 = 1e-6;
+/// The end answers to the velocity at the start by less than one over this where no answer is asked for.
+const MUCH: f64 = 1e3;
 /// And no v is longer than this times the first one.
 const LONGER: f64 = 20.0;
 /// A correction is halved so often where it does not lead nearer.
@@ -118,7 +122,9 @@ impl<'a, K: ConstraintKernel<f64, D, 1>, const D: usize> Aim<'a, K, D> {
         let miss = add_scaled(self.chord, -1.0, &way);
         // What of it is along the surface at b, back to a.
         let along = add_scaled(&miss, -dot(there, &miss), there);
-        let share = dot(here, &along) / (1.0 + dot(here, there));
+        // Where normals are opposite, tangents are the same, and no rotation is the smallest.
+        let alike = 1.0 + dot(here, there);
+        let share = if alike > OPPOSITE { dot(here, &along) / alike } else { 0.0 };
         let back = add_scaled(&along, -share, &sum(here, there));
         let tangent = add_scaled(&back, -dot(here, &back), here);
         Some((miss, tangent, speed))
@@ -136,7 +142,11 @@ impl<'a, K: ConstraintKernel<f64, D, 1>, const D: usize> Aim<'a, K, D> {
             let change = scaled(-1.0 / step, &add_scaled(&there, -1.0, missed));
             columns.column_mut(d).copy_from_slice(&add_scaled(&change, normal, &self.here));
         }
-        let answer = columns.try_inverse()?;
+        // Where many ways meet, as in the antipode of a sphere, the end answers to no turn of the way.
+        let answer = columns.try_inverse().filter(|answer| answer.amax() < MUCH).or_else(|| {
+            let damped = columns + SMatrix::<f64, D, D>::identity() / MUCH;
+            damped.try_inverse()
+        })?;
         Some(from_fn(|i| from_fn(|k| answer[(i, k)])))
     }
 
