@@ -26,12 +26,12 @@ const MOST_STRETCHES: usize = 400;
 const MOST_TRIES: usize = 60;
 /// Tries of a v that leads nearly there.
 const FEW_TRIES: usize = 12;
+/// No v is longer than this times the first one.
+const LONGER: f64 = 20.0;
 /// Normals are opposite where their cosine and 1 add up to this.
 const OPPOSITE: f64 = 1e-6;
-/// The end answers to the velocity at the start by less than one over this where no answer is asked for.
+/// Where the end answers to v by less than one over this, in some direction, v is not changed much in that direction.
 const MUCH: f64 = 1e3;
-/// And no v is longer than this times the first one.
-const LONGER: f64 = 20.0;
 /// A correction is halved so often where it does not lead nearer.
 const SHORTER: usize = 8;
 /// What may be missed in the end, as part of the coordinates and the way, where nothing leads nearer.
