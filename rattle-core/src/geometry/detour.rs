@@ -8,6 +8,7 @@
 //! with more: the discrete form of curve shortening.
 
 use crate::kernel::functions::ConstraintKernel;
+use crate::kernel::geodesic::{length, normal};
 use crate::number::vector::{add_scaled, dot, scaled, sum};
 use std::array::from_fn;
 use std::iter::successors;
@@ -83,8 +84,7 @@ pub(super) fn detours<K: ConstraintKernel<f64, D, 1>, const D: usize>(
 
 impl<const D: usize> Point<D> {
     fn at<K: ConstraintKernel<f64, D, 1>>(kernel: &K, q: [f64; D]) -> Self {
-        let [gradient] = kernel.jacobian(&q);
-        Self { q, normal: scaled(1.0 / dot(&gradient, &gradient).sqrt(), &gradient) }
+        Self { q, normal: normal(kernel, &q) }
     }
 
     /// The point to which the gradient leads, if it is no farther away than `reach`.
@@ -101,7 +101,7 @@ impl<const D: usize> Point<D> {
                 return None;
             }
             if off.abs() <= 1e-9 * reach {
-                return (apart(&q, from) <= reach).then(|| Self::at(kernel, q));
+                return (away <= reach).then(|| Self::at(kernel, q));
             }
         }
         None
@@ -289,6 +289,5 @@ fn divided<K: ConstraintKernel<f64, D, 1>, const D: usize>(
 
 /// |a − b|.
 fn apart<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    let way = add_scaled(a, -1.0, b);
-    dot(&way, &way).sqrt()
+    length(&add_scaled(a, -1.0, b))
 }

@@ -2,7 +2,7 @@
 
 use crate::geometry::detour::detours;
 use crate::kernel::functions::{Constraint, ConstraintKernel};
-use crate::kernel::geodesic::{Missed, Shot, length, shoot, shoot_along};
+use crate::kernel::geodesic::{Missed, Shot, length, normal, shoot, shoot_along};
 use crate::number::vector::{add_scaled, dot, largest, scaled};
 use nalgebra::SVector;
 
@@ -103,9 +103,8 @@ fn along<K: ConstraintKernel<f64, D, 1>, const D: usize>(kernel: &K, way: &[[f64
         *sum += part;
         Some(*sum)
     }));
-    let [gradient] = kernel.jacobian(a);
-    let first = add_scaled(&way[1], -1.0, a);
-    let along = add_scaled(&first, -dot(&first, &gradient) / dot(&gradient, &gradient), &gradient);
+    let (first, normal) = (add_scaled(&way[1], -1.0, a), normal(kernel, a));
+    let along = add_scaled(&first, -dot(&first, &normal), &normal);
     let (mut unit, mut at, mut ahead) = (scaled(1.0 / length(&along), &along), 0, last);
     loop {
         let next = (at + ahead).min(last);

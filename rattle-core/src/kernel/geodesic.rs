@@ -290,7 +290,7 @@ pub(crate) fn length<const D: usize>(v: &[f64; D]) -> f64 {
 }
 
 /// ∇g/|∇g|.
-fn normal<K: ConstraintKernel<f64, D, 1>, const D: usize>(kernel: &K, q: &[f64; D]) -> [f64; D] {
+pub(crate) fn normal<K: ConstraintKernel<f64, D, 1>, const D: usize>(kernel: &K, q: &[f64; D]) -> [f64; D] {
     let [gradient] = kernel.jacobian(q);
     scaled(1.0 / length(&gradient), &gradient)
 }

@@ -21,7 +21,8 @@ use crate::number::instructions::{InstructionSet, Work};
 use crate::number::real::Real;
 
 /// What messages call functions without series.
-pub(crate) const NO_SERIES: &str = "functions without power series (potentials that depend on time, more than 2000 operations, or not written by a macro)";
+pub(crate) const NO_SERIES: &str = "functions without power series (potentials that depend on time, more than 2000 \
+     operations, or not written by a macro)";
 
 /// How many blocks so many products take.
 pub(crate) const fn blocks(products: usize) -> usize {

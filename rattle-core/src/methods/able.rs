@@ -1,7 +1,5 @@
 //! Which methods can move a system: the one place that refuses a method.
 
-use crate::effect::interval::Rule;
-use crate::effect::list::Forces;
 use crate::error::{EffectMistake, Error};
 use crate::methods::baoab::Baoab;
 use crate::methods::bdf2::Bdf2;
@@ -18,7 +16,7 @@ use crate::methods::symplectic_euler::SymplecticEuler;
 use crate::methods::taylor::Taylor;
 use crate::motion::method::{Method, View};
 use crate::motion::need::Need;
-use crate::motion::stir::FLOW;
+use crate::motion::stir::{FLOW, random};
 use crate::motion::system::System;
 
 /// The system as a step of this method is handed it.
@@ -71,9 +69,8 @@ fn moves<S: Method, Y: System<f64, D>, const D: usize>(system: &Y) -> bool {
 
 /// Refuses flows that draw random numbers, for a motion that runs backwards.
 pub(crate) fn no_way_back<Y: System<f64, D>, const D: usize>(system: &Y) -> Result<(), Error> {
-    let manners = (0..Y::FLOWS).map(|number| system.effects().manner(number));
-    match manners.into_iter().find(|(manner, _)| manner.rule == Rule::Random) {
-        Some((_, effect)) => Err(Error::Effect { effect, mistake: EffectMistake::NoWayBack }),
+    match random(system) {
+        Some(effect) => Err(Error::Effect { effect, mistake: EffectMistake::NoWayBack }),
         None => Ok(()),
     }
 }

@@ -35,10 +35,16 @@ const MOST_ITERATIONS: usize = 100;
 /// that is stiff along the normals of many constraints.
 const SETTLED: f64 = 1e-8;
 
+/// The first flow that draws random numbers.
+pub(crate) fn random<T: Scalar, Y: System<T, D>, const D: usize>(system: &Y) -> Option<&'static str> {
+    let mut manners = (0..Y::FLOWS).map(|number| system.effects().manner(number));
+    manners.find(|(manner, _)| manner.rule == Rule::Random).map(|(_, effect)| effect)
+}
+
 /// Whether flows draw random numbers. A step in parts has those of the whole step: parts that drew their own would
 /// favour the numbers that need no parts.
 pub(crate) fn draws<T: Scalar, Y: System<T, D>, const D: usize>(system: &Y) -> bool {
-    (0..Y::FLOWS).any(|number| system.effects().manner(number).0.rule == Rule::Random)
+    random(system).is_some()
 }
 
 /// One step of the method; of a system with flows between two halves of them, unless the method has them act itself.
