@@ -62,6 +62,27 @@ fn as_alone_but_for_rounding() {
     assert!(off(Single, Lobatto::<4>::new(0.02), 25) < 1e-3);
 }
 
+potential! {
+    /// No number beyond x = 0.1.
+    struct Cliff {}
+    |x, _y, _z| (0.1 - x)^2.5
+}
+
+/// A kick in the middle of a step that is not a number is told of as by a simulation, not as a constraint that is none.
+#[test]
+fn forces_that_end_in_the_middle_of_a_step() {
+    let scene = Scene::on(Lemniscate { a: 1.0, r: R }).with(Cliff {});
+    let fast = || State::at([0.0, 0.0, R]).moving([1.0, 0.0, 0.0]);
+    let mut ensemble = scene.ensemble(vec![fast(); 3], PositionVerlet::new(0.02)).unwrap();
+    ensemble.run(20);
+    let mut alone = scene.simulate(fast(), PositionVerlet::new(0.02)).unwrap();
+    let words = |error: &rattle::Error| error.to_string();
+    let alone = words(&alone.run(20).unwrap_err());
+    assert!(alone.contains("the force of `Cliff` is [NaN"), "{alone}");
+    let message = words(ensemble.failure(1).unwrap());
+    assert_eq!(message.split(" at q").next(), alone.split(" at q").next());
+}
+
 #[test]
 fn sweeps_and_energies() {
     let scenes: Vec<_> = (0..70)

@@ -48,7 +48,8 @@ pub struct Scene<C, E, N, const D: usize> {
     message = "`{Self}` is no constraint",
     label = "a scene begins with what `constraint!` makes, of up to 64 equations",
     note = "a potential acts in a scene: `Scene::on(constraint).with(potential)`, or `Scene::point().with(potential)` on a free body",
-    note = "constraints between bodies are links: `Scene::points(n).link(constraint, members)`"
+    note = "constraints between bodies are links: `Scene::points(n).link(constraint, members)`",
+    note = "a rigid body: `Scene::rigid(body)`"
 )]
 pub trait Begin<const D: usize, const M: usize> {
     /// The constraint in the form that the scene keeps.

@@ -2,6 +2,9 @@
 
 #![cfg_attr(not(long), allow(dead_code, unused_imports))] // what tests of `cargo long` use
 
+#[cfg(long)]
+#[path = "../cells.rs"]
+mod cells;
 #[path = "../../../tests/common/mod.rs"]
 mod common;
 #[cfg(long)]

@@ -413,7 +413,7 @@ pub(super) fn at_rest<S: Lane, const D: usize>(gradient: &[S; D], q: &[S; D]) ->
 /// Why a lane's momentum is not finite.
 #[cold]
 #[inline(never)]
-fn not_finite<S: Lane, const D: usize>(laws: &impl Laws<S, D>, lane: usize, q: [S; D]) -> Failure {
+pub(super) fn not_finite<S: Lane, const D: usize>(laws: &impl Laws<S, D>, lane: usize, q: [S; D]) -> Failure {
     let [gradient] = laws.constraint(lane).borrow().jacobian(&q);
     let at = Moment { time: 0.0, positions: &[q] };
     FailureAt::of(0).not_finite(laws.effects(lane).borrow(), at, &[Normal::new(gradient)])

@@ -33,7 +33,7 @@ use crate::motion::failure::Failure;
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
-use crate::run::ensemble::block::{Block, LOST, Part, Scratch, at_rest, is_finite};
+use crate::run::ensemble::block::{Block, LOST, Part, Scratch, at_rest, is_finite, not_finite};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
 use crate::systems::surface::normal::Normal;
@@ -421,6 +421,9 @@ fn alone<S: Lane, const D: usize>(
     let normal = Normal { gradient, inverse_square: S::from_f64(1.0) / square };
     let (eta, back_on) = normal.projection(&p);
     let p = sum(&p, &back_on);
+    if !is_finite(dot(&p, &p)) {
+        return Err(not_finite(laws, lane, q)); // by a kick between stages
+    }
     let constraint = laws.constraint(lane);
     let constraint = constraint.borrow();
     let departure = Departure::coasting(constraint, h, 0, [&q, &back, &p], &normal);
