@@ -131,7 +131,7 @@ impl Arithmetic<'_> {
                 (a, b) if a == b => format!("{a} arguments"),
                 (a, _) => format!("at least {a} arguments"),
             };
-            let at = self.problems.extent(name.span());
+            let at = self.problems.extent_of(name);
             let found = arguments.len();
             return self.wrong(at, format!("`{name}` takes {expected}, found {found}; write `{written}`"));
         }

@@ -190,6 +190,13 @@ impl Lowering<'_> {
         let Some((binder, rest)) = binders.split_first() else { return body(self) };
         let (Some(from), Some(to)) = (self.whole(&binder.from), self.whole(&binder.to)) else { return };
         let to = if binder.inclusive { to.saturating_add(1) } else { to };
+        if let (Kind::Number(_, first), Kind::Number(_, last), true) =
+            (&binder.from.kind, &binder.to.kind, from > to)
+        {
+            let message = format!("the range from {first} to {last} is empty; ranges run upwards");
+            self.wrong(binder.from.extent.to(binder.to.extent), message);
+            return;
+        }
         let start = self.scope.len();
         for index in from..to {
             self.rounds += 1;
@@ -205,6 +212,12 @@ impl Lowering<'_> {
 
     /// A whole number known when the macro runs.
     fn whole(&mut self, expr: &Expr) -> Option<i64> {
+        if let Kind::Number(_, digits) = &expr.kind
+            && digits.contains('.')
+        {
+            self.wrong(expr.extent, format!("expected a whole number, found {digits}"));
+            return None;
+        }
         match self.ratio(expr) {
             Some(ratio) => match ratio.whole() {
                 Some(whole) => Some(whole),
@@ -361,7 +374,7 @@ impl Lowering<'_> {
     }
 
     fn unknown_function(&mut self, name: &Ident, text: &str) -> Value {
-        let at = self.problems.extent(name.span());
+        let at = self.problems.extent_of(name);
         if let Some(instead) = Callee::instead_of(text) {
             return self.wrong(at, format!("unknown function `{text}`; write {instead}"));
         }

@@ -12,7 +12,7 @@
 use crate::functions::Function;
 use crate::problems::{Extent, Problems, shortened};
 use crate::syntax::{Binder, Expr, Kind, Let, Operator};
-use crate::tokens::{self, drain, error, found, invisible, is_invisible, starts_operand};
+use crate::tokens::{self, drain, error, found, invisible, is_invisible, meaningless, starts_operand};
 use proc_macro2::{Ident, Span};
 use syn::ext::IdentExt;
 use syn::parse::{ParseStream, Parser as _, Result};
@@ -26,6 +26,8 @@ pub(crate) struct Parser<'p> {
     depth: u32,
     /// Whether this is the condition of an `if`, where `==` compares indices.
     condition: bool,
+    /// The operator before what is read next.
+    before: Option<Span>,
 }
 
 /// How tightly an operator binds, from loosest.
@@ -63,7 +65,7 @@ fn take(input: ParseStream, operator: Operator) -> Result<()> {
 
 impl<'p> Parser<'p> {
     pub(crate) fn new(problems: &'p mut Problems) -> Self {
-        Parser { problems, depth: 0, condition: false }
+        Parser { problems, depth: 0, condition: false, before: None }
     }
 
     /// The expression that the whole input is; problems inside it are noted, not returned.
@@ -85,6 +87,8 @@ impl<'p> Parser<'p> {
         }
         let message = if input.peek(Token![;]) {
             "unexpected `;`: only `let` ends with one, and only inside `{ }`".to_owned()
+        } else if let Some(message) = meaningless(input) {
+            message
         } else if starts_operand(input) {
             "expected an operator before this; a product is written with `*`".to_owned()
         } else {
@@ -160,6 +164,7 @@ impl<'p> Parser<'p> {
                 if level == COMPARISON && !rest.is_empty() {
                     return Err(error(input, "comparisons do not chain; write `a < b && b < c`"));
                 }
+                self.before = Some(input.span());
                 take(input, operator)?;
                 rest.push((operator, self.level(input, level + 1)?));
             }
@@ -176,6 +181,7 @@ impl<'p> Parser<'p> {
             return self.power(input);
         }
         let minus: Token![-] = input.parse()?;
+        self.before = Some(minus.span);
         let start = self.problems.extent(minus.span);
         let inner = self.nested(input, Self::signed)?;
         let extent = start.to(inner.extent);
@@ -189,9 +195,10 @@ impl<'p> Parser<'p> {
             let second: Token![*] = input.parse()?;
             let at = self.problems.extent(first.span);
             let at = at.to(self.problems.extent(second.span));
+            self.before = Some(second.span);
             self.problems.note(at, "found `**`, expected an operator; a power is written `x^2`");
         } else if input.peek(Token![^]) {
-            input.parse::<Token![^]>()?;
+            self.before = Some(input.parse::<Token![^]>()?.span);
         } else {
             return Ok(base);
         }
@@ -250,6 +257,9 @@ impl<'p> Parser<'p> {
     }
 
     fn atom(&mut self, input: ParseStream) -> Result<Expr> {
+        if let (Some(operator), true) = (self.before.take(), input.is_empty()) {
+            return Err(syn::Error::new(operator, "expected an expression after this, found the end"));
+        }
         let start = self.problems.extent(input.span());
         if let Some(inside) = invisible(input) {
             // A fragment of a `macro_rules!` macro is one operand, as it is in Rust.
@@ -281,6 +291,12 @@ impl<'p> Parser<'p> {
         }
         if input.peek(Lit) {
             return self.number(input);
+        }
+        if !input.peek(Token![let])
+            && !input.peek(Token![self])
+            && let Some(message) = meaningless(input)
+        {
+            return Err(error(input, message));
         }
         if input.peek(Ident::peek_any) && !input.peek(Token![let]) {
             return self.name(input);
@@ -462,7 +478,8 @@ impl<'p> Parser<'p> {
         self.condition = outside;
         let condition = condition?;
         if !input.peek(token::Brace) {
-            return Err(error(input, "expected `{` after the condition"));
+            let message = meaningless(input).unwrap_or_else(|| "expected `{` after the condition".to_owned());
+            return Err(error(input, message));
         }
         let then = self.block(input)?;
         if !input.peek(Token![else]) {
@@ -545,7 +562,7 @@ impl<'p> Parser<'p> {
             } else {
                 "expected `;` at the end of the `let`"
             };
-            return Err(error(input, message));
+            return Err(error(input, meaningless(input).unwrap_or_else(|| message.to_owned())));
         }
         input.parse::<Token![;]>()?;
         Ok(value)

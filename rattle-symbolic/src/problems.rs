@@ -1,7 +1,7 @@
 //! What is wrong with an input: collected at the exact tokens, reported all at once.
 
 use proc_macro2::{Ident, Span, TokenStream};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Display;
 
 /// From which token to which token something is written.
@@ -20,10 +20,15 @@ impl Extent {
     }
 }
 
+/// So many problems are told of one place.
+const FEW: usize = 3;
+
 /// The problems found so far.
 #[derive(Debug, Default)]
 pub(crate) struct Problems {
     extents: u32,
+    /// The extents of names by their addresses: looked up, never iterated.
+    names: HashMap<usize, Extent>,
     found: BTreeMap<(u32, String), syn::Error>,
 }
 
@@ -33,9 +38,21 @@ impl Problems {
         self.extents += 1;
         Extent { serial: self.extents, start: span, end: span }
     }
-    /// Notes a problem; the same one at the same place (in every round of a loop) counts once.
+    /// The extent of a name in the syntax, the same in every round of a loop.
+    pub(crate) fn extent_of(&mut self, name: &Ident) -> Extent {
+        let address = std::ptr::from_ref(name) as usize;
+        if let Some(&known) = self.names.get(&address) {
+            return known;
+        }
+        let extent = self.extent(name.span());
+        self.names.insert(address, extent);
+        extent
+    }
+    /// Notes a problem; the same one at the same place (in every round of a loop) counts once, and of problems that
+    /// differ from round to round the first few are told.
     pub(crate) fn note(&mut self, at: Extent, message: impl Display) {
-        if self.full() {
+        let here = (at.serial, String::new())..(at.serial + 1, String::new());
+        if self.full() || self.found.range(here).count() >= FEW {
             return;
         }
         let tokens: TokenStream = [at.start, at.end]
@@ -98,7 +115,10 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
         .into_iter()
         .map(|candidate| (distance(name, candidate), candidate))
         .filter(|&(distance, candidate)| {
-            distance <= limit && distance < name.chars().count().max(candidate.chars().count())
+            let short = name.chars().count().max(candidate.chars().count());
+            // Of few letters the first one is right, or all but one are.
+            let begins = candidate.starts_with(|first| name.starts_with(first));
+            distance <= limit && distance < short && (distance < 2 || short > 4 || begins)
         })
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, candidate)| candidate)
@@ -136,9 +156,12 @@ mod tests {
             ("q", None), // every letter is one step from every other
             ("α", None), // one letter, though two bytes
             ("elephant", None),
+            ("sni", Some("sin")),
+            ("foo", None), // nor is `for` meant
+            ("fin", Some("sin")),
         ];
         for (name, expected) in rows {
-            assert_eq!(nearest(name, ["r", "sin", "radius", "x"]), expected, "{name}");
+            assert_eq!(nearest(name, ["r", "sin", "radius", "x", "cos"]), expected, "{name}");
         }
     }
 }

@@ -27,6 +27,18 @@ pub(crate) fn starts_operand(input: ParseStream) -> bool {
     input.peek(Lit) || input.peek(Ident::peek_any) || input.peek(token::Paren)
 }
 
+/// What is wrong with what comes next wherever it stands: a keyword of Rust, but for `mod`, which is a function here;
+/// and `%`.
+pub(crate) fn meaningless(input: ParseStream) -> Option<String> {
+    if input.peek(Token![%]) {
+        return Some(
+            "there is no `%`; what is left of a division is `mod(x, y)`, which has the sign of y".into(),
+        );
+    }
+    let keyword = input.peek(Ident::peek_any) && !input.peek(syn::Ident) && !input.peek(Token![mod]);
+    keyword.then(|| format!("{} is a keyword of Rust, and has no meaning in a formula", found(input)))
+}
+
 /// A name, where one must come next.
 pub(crate) fn name(input: ParseStream) -> syn::Result<Ident> {
     if input.peek(Token![_]) {

@@ -41,5 +41,25 @@ constraint! {
     pub struct Bare { r }
     |x, y| sqrt x + sin 2 * y + exp (x) - cos abs y + r
 }
+constraint! {
+    pub struct Remainder { r }
+    |x, y| { let z = x % 2; z + y - r }
+}
+constraint! {
+    pub struct Words { r }
+    |x, y| { let z = r as f64; x + y + return z }
+}
+constraint! {
+    pub struct Ends { r }
+    |x, y| (x^) + (y - ) - r
+}
+constraint! {
+    pub struct Backwards { r }
+    |q: [f64; 3]| sum(i in 3..0, q[i]) + q[1.0] - r
+}
+constraint! {
+    pub struct Far { r }
+    |q: [f64; 3]| sum(i in 0..50, q[i] + sin(q[0], i)) - foo(r)
+}
 
 fn main() {}
