@@ -72,10 +72,12 @@ impl Graph {
             let Some(node) = operand.node else { continue };
             let (sign, parts) = self.factors(node);
             factor *= sign;
+            // Its sign is taken out of a node that is kept whole, too.
+            let whole = if let Node::Neg(inner) = *self.node(node) { inner } else { node };
             for (part, exponent) in parts {
                 *factors.entry(part).or_default() += exponent;
             }
-            *opaque.entry(node).or_default() += 1;
+            *opaque.entry(whole).or_default() += 1;
         }
         self.cancel(&mut factors);
         let chosen = if factors.values().sum::<u32>() as usize > WIDTH { opaque } else { factors };

@@ -192,6 +192,30 @@ fn expression(random: &mut StdRng) -> (Graph, Id) {
     (g, pool[pool.len() - 1])
 }
 
+/// Long products of negated factors: signs that are taken out of a product and back into it.
+fn signed_product(random: &mut StdRng) -> (Graph, Id) {
+    let mut g = Graph::new();
+    let mut pool: Vec<Id> = (0..VARIABLES).map(|i| g.input(Input::Variable(i))).collect();
+    pool.extend((0..2).map(|i| g.input(Input::Parameter(i))));
+    pool.push(g.constant(2.0));
+    for _ in 0..random.random_range(3..12) {
+        let any = |random: &mut StdRng| pool[random.random_range(0..pool.len())];
+        let (a, b) = (any(random), any(random));
+        let next = match random.random_range(0..8) {
+            0 => g.add(a, b),
+            1 => g.power(a, 2 * random.random_range(2..12)),
+            2 => g.call(Function::Sin, a),
+            3..=5 => g.neg(a),
+            _ => {
+                let a = g.neg(a);
+                g.mul(a, b)
+            }
+        };
+        pool.push(next);
+    }
+    (g, pool[pool.len() - 1])
+}
+
 fn point(random: &mut StdRng) -> [f64; 5] {
     let special = [0.0, -0.0, 1.0, -1.0, 0.5, 2.0];
     let mut q = [0.0; 5].map(|_| random.random_range(-2.0..2.0));
@@ -211,7 +235,11 @@ fn along(g: &mut Graph, input: Input) -> Scaled {
 }
 
 /// What one random expression shows: how many points could be checked, or where it is wrong.
-fn try_one(seed: u64, fault: Option<Fault>) -> Result<usize, String> {
+fn try_one(
+    seed: u64,
+    expression: fn(&mut StdRng) -> (Graph, Id),
+    fault: Option<Fault>,
+) -> Result<usize, String> {
     let random = &mut StdRng::seed_from_u64(seed);
     let (source, root) = expression(random);
     let mut graph = source.clone();
@@ -286,11 +314,11 @@ fn try_one(seed: u64, fault: Option<Fault>) -> Result<usize, String> {
 
 #[test]
 fn random_expressions() {
-    let mut checked = 0;
-    for seed in 0..4000 {
-        checked += try_one(seed, None).unwrap_or_else(|message| panic!("{message}"));
+    for expression in [expression, signed_product] {
+        let tried = (0..4000).map(|seed| try_one(seed, expression, None));
+        let checked: usize = tried.map(|tried| tried.unwrap_or_else(|message| panic!("{message}"))).sum();
+        assert!(checked > 8000, "most points can be checked: {checked}");
     }
-    assert!(checked > 8000, "most points can be checked: {checked}");
 }
 
 /// Every entry of the derivative table, made wrong by a sign, by two, by a part in a thousand, or missing.
@@ -314,7 +342,8 @@ fn planted_faults_are_caught() {
     let rules: Vec<Rule> = structural.into_iter().chain(calls).collect();
     for rule in rules {
         for factor in [-1.0, 2.0, 1.001, 0.0] {
-            let caught = (0..4000).find(|&seed| try_one(seed, Some(Fault { rule, factor })).is_err());
+            let caught =
+                (0..4000).find(|&seed| try_one(seed, expression, Some(Fault { rule, factor })).is_err());
             assert!(caught.is_some(), "nobody noticed {rule:?} times {factor}");
         }
     }
