@@ -201,25 +201,34 @@ impl<'a> Calculus<'a> {
             Node::Sub(a, b) => vec![(Rule::MinuendOf, a, one), (Rule::SubtrahendOf, b, one.times(-1.0))],
             Node::Mul(a, b) => vec![(Rule::Product, a, b.into()), (Rule::Product, b, a.into())],
             Node::Div(a, b) => {
-                let reciprocal = g.reciprocal(b);
-                let below = g.product(&[Scaled::from(f).times(-1.0), reciprocal]);
-                vec![(Rule::Numerator, a, reciprocal), (Rule::Denominator, b, below)]
+                let (above, (b, below)) = (g.reciprocal(b), g.slope_of_reciprocal(b, f, 1.0));
+                vec![(Rule::Numerator, a, above), (Rule::Denominator, b, below)]
+            }
+            Node::Power(a, halves) if halves < 0 => {
+                let (a, power) = g.slope_of_reciprocal(a, f, f64::from(-halves) / 2.0);
+                vec![(Rule::Power, a, power)]
             }
             Node::Power(a, halves) => {
-                // √uⁿ is u^(n/2): smooth at 0 for even n, where the slope of the root itself is set to 0.
+                // What is smooth at 0 though a is not, and the slope of a is set to 0 there: even powers of √u are
+                // those of u, third powers of ∛u too, and the slopes of dⁿ, d = hypot(u, v), are n dⁿ⁻² u and n dⁿ⁻² v.
                 let (a, halves) = match *g.node(a) {
                     Node::Call(Function::Sqrt, inside) if halves % 2 == 0 => (inside, halves / 2),
+                    Node::Call(Function::Cbrt, inside) if halves % 6 == 0 => (inside, halves / 3),
                     _ => (a, halves),
                 };
                 let exponent = Scaled::number(f64::from(halves) / 2.0);
-                let power = if halves < 0 {
-                    let reciprocal = g.reciprocal(a);
-                    g.product(&[exponent, f.into(), reciprocal]) // n xⁿ⁻¹ = n xⁿ / x
-                } else {
-                    let lower = g.power(a, halves - 2);
-                    g.product(&[exponent, lower.into()])
-                };
-                vec![(Rule::Power, a, power)]
+                match *g.node(a) {
+                    Node::Call2(Binary::Hypot, u, v) if halves >= 4 => {
+                        let lower = g.power(a, halves - 4);
+                        [u, v]
+                            .map(|u| (Rule::Power, u, g.product(&[exponent, lower.into(), u.into()])))
+                            .into()
+                    }
+                    _ => {
+                        let lower = g.power(a, halves - 2);
+                        vec![(Rule::Power, a, g.product(&[exponent, lower.into()]))]
+                    }
+                }
             }
             Node::Call(function, a) => vec![(Rule::Call(function), a, derivative(function, g, a, f))],
             Node::Call2(function, a, b) => {

@@ -4,8 +4,10 @@
 //!
 //! ```text
 //! abs′(0) = +1     sign′ = floor′ = 0      sqrt′(0) = cbrt′(0) = 0      norm′(0) = hypot′(0, 0) = atan2′(0, 0) = 0
+//! (xʸ)′(0) = 0 for 0 ≤ y < 1
 //! ```
 //!
+//! Powers of roots and distances that are smooth again have their own slopes: √x², ∛x³, hypot(x, y)².
 //! Everywhere else it is what IEEE 754 makes of the formula: `ln′(0) = ∞`, `asin′(1) = ∞`.
 
 use crate::algebra::Scaled;
@@ -104,15 +106,6 @@ impl Graph {
         let square = self.node_of(square);
         self.call(Function::Exp, square).into()
     }
-    /// `slope`, and 0 where the exponent is 0: the power is constant there, though 0·0⁻¹ is NaN.
-    fn unless_zero(&mut self, exponent: Id, slope: Scaled) -> Scaled {
-        if matches!(self.node(exponent), Node::Constant(_)) {
-            return slope;
-        }
-        let square = self.product(&[exponent.into(), exponent.into()]);
-        let (square, slope, zero) = (self.node_of(square), self.node_of(slope), self.constant(0.0));
-        self.select(Comparison::LessOrEqual, square, zero, zero, slope).into()
-    }
     /// ∂(xʸ)/∂y = f ln x, and 0 where x ≤ 0.
     fn growth(&mut self, x: Id, f: Id) -> Scaled {
         let logarithm = self.call(Function::Ln, x);
@@ -123,13 +116,38 @@ impl Graph {
 
     /// ∂(aᵇ)/∂a and ∂(aᵇ)/∂b
     fn slopes_of_power(&mut self, a: Id, b: Id, f: Id) -> [Scaled; 2] {
-        let one = self.constant(1.0);
+        let (zero, one) = (self.constant(0.0), self.constant(1.0));
         let less = self.sub(b, one);
         let power = self.call2(Binary::Powf, a, less);
-        let by_base = self.product(&[b.into(), power.into()]);
-        let by_base = self.unless_zero(b, by_base);
+        let slope = self.product(&[b.into(), power.into()]);
+        let slope = self.node_of(slope);
+        // At the tip of a root the slope is set to 0, and it is 0 where the exponent is, though 0·0⁻¹ is NaN.
+        let at_zero = match self.number(b) {
+            Some(exponent) if (0.0..1.0).contains(&exponent) => zero,
+            Some(_) => slope,
+            None => {
+                let root = self.select(Comparison::Less, b, one, zero, slope);
+                self.select(Comparison::Less, b, zero, slope, root)
+            }
+        };
+        let not_below = self.select(Comparison::LessOrEqual, zero, a, at_zero, slope);
+        let by_base = self.select(Comparison::LessOrEqual, a, zero, not_below, slope);
         let by_exponent = if self.moving(b) { self.growth(a, f) } else { Scaled::ZERO };
-        [by_base, by_exponent]
+        [by_base.into(), by_exponent]
+    }
+    /// ∂f/∂u of f = c/bᵉ, where b is u or powers and roots of it: −n f/u, f ∝ u⁻ⁿ. Powers of u that are too large or
+    /// too small for numbers are not met on the way.
+    pub(crate) fn slope_of_reciprocal(&mut self, b: Id, f: Id, exponent: f64) -> (Id, Scaled) {
+        let (mut u, mut n) = (b, exponent);
+        loop {
+            (u, n) = match *self.node(u) {
+                Node::Power(inside, halves) => (inside, n * f64::from(halves) / 2.0),
+                Node::Call(Function::Sqrt, inside) => (inside, n / 2.0),
+                _ => break,
+            };
+        }
+        let reciprocal = self.reciprocal(u);
+        (u, self.product(&[Scaled::number(-n), f.into(), reciprocal]))
     }
     /// The slopes of `atan2(a, b)`: b/(a² + b²) and −a/(a² + b²).
     fn slopes_of_angle(&mut self, a: Id, b: Id) -> [Scaled; 2] {

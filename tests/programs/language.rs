@@ -17,6 +17,8 @@ mod absent;
 mod architecture;
 #[path = "../bad_input.rs"]
 mod bad_input;
+#[path = "../derivative_edges.rs"]
+mod derivative_edges;
 #[path = "../derivative_references.rs"]
 mod derivative_references;
 #[path = "../derivatives.rs"]

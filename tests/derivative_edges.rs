@@ -1,0 +1,78 @@
+//! Derivatives where a function is smooth though a part of it is not, where it is flat, and where parts overflow.
+//!
+//! Expected numbers are known by hand: derivatives of the same function in another form.
+
+use rattle::nalgebra::vector;
+use rattle::prelude::*;
+
+constraint! {
+    /// A unit sphere, whose distance from the axis is written as one.
+    struct Round {}
+    |x, y, z| hypot(x, y)^2 + z^2 - 1
+}
+constraint! { struct Powers { k } |x, y, z| cbrt(x)^3 + hypot(y, z)^4 + sqrt(x)^4 - k }
+constraint! { struct Growing {} |x, y, z| z - x^y }
+constraint! { struct Written {} |x, y, z| z - exp(y * ln(x)) }
+potential! { struct Roots { n } |x, y| (x^2 + y^2)^0.7 + (x^2 + y^2)^n }
+potential! { struct Flat { n } |x, y| max(x, 0)^0.7 + max(y, 0)^1.25 + max(x, 0)^n }
+potential! { struct Negated { k } |x, y| (-k * x)^10 + (2 + -x * y)^9 }
+potential! { struct PöschlTeller { v, w } |x| -v / cosh(x / w)^2 }
+potential! { struct Steep {} |x, y| 1 / sqrt(x^2 + y^2)^12 }
+
+#[test]
+fn powers_of_a_distance_are_smooth() {
+    let pole = vector![0.0, 0.0, 1.0];
+    let curved = Round {}.hessian_vector(&pole, &vector![1.0, 2.0, 3.0]);
+    assert_eq!(curved, vector![2.0, 4.0, 6.0].transpose());
+    // hypot(y, z)⁴ = (y² + z²)², whose second derivatives vanish with its first; ∛x³ = x and √x⁴ = x².
+    let at = vector![0.0, 0.0, 0.0];
+    let g = Powers { k: 1.0 };
+    assert_eq!(g.jacobian(&at), vector![1.0, 0.0, 0.0].transpose());
+    assert_eq!(g.hessian_vector(&at, &vector![1.0, 1.0, 1.0]), vector![2.0, 0.0, 0.0].transpose());
+
+    let start = || State::at([0.0, 0.0, 1.0]).moving([1.0, 0.0, 0.0]);
+    let mut simulation = Scene::on(Round {}).simulate(start(), Dop853::new(0.1)).unwrap();
+    simulation.run(10).unwrap();
+    let off = (simulation.position() - vector![1.0_f64.sin(), 0.0, 1.0_f64.cos()]).norm();
+    assert!(off < 1e-14, "{off:e}"); // 5.6e-16 where the square is written out
+}
+
+#[test]
+fn exponents_that_are_zero() {
+    let (at, v) = (vector![2.0, 0.0, 1.0], vector![1.0, 1.0, 1.0]);
+    let (found, expected) = (Growing {}.hessian_vector(&at, &v), Written {}.hessian_vector(&at, &v));
+    assert!((found - expected).amax() < 1e-15, "{found} {expected}");
+    // −∂²(xʸ)/∂x∂y = −1/x there
+    let column = Growing {}.hessian_vector(&at, &vector![1.0, 0.0, 0.0]);
+    assert_eq!(column, vector![0.0, -0.5, 0.0].transpose());
+}
+
+#[test]
+fn roots_are_flat_at_their_tip_and_below() {
+    assert_eq!(Roots { n: 0.7 }.gradient(&vector![0.0, 0.0]), vector![0.0, 0.0]);
+    assert_eq!(Roots { n: 0.0 }.gradient(&vector![0.0, 0.0]), vector![0.0, 0.0]);
+    assert_eq!(Roots { n: 2.0 }.gradient(&vector![0.0, 0.0]), vector![0.0, 0.0]);
+    let flat = Flat { n: 0.7 };
+    assert_eq!(flat.gradient(&vector![-1.0, -1.0]), vector![0.0, 0.0]);
+    let at = vector![4.0, 1.0];
+    let (slope, found) = (2.0 * 0.7 * 4.0_f64.powf(-0.3), flat.gradient(&at));
+    assert!((found - vector![slope, 1.25]).amax() < 1e-15, "{found}");
+}
+
+#[test]
+fn signs_of_negated_factors() {
+    let (x, y) = (0.9_f64, 0.5_f64);
+    let inside = (2.0 - x * y).powi(8);
+    let found = Negated { k: 1.0 }.gradient(&vector![x, y]);
+    let expected = vector![10.0 * x.powi(9) - 9.0 * y * inside, -9.0 * x * inside];
+    assert!((found - expected).amax() < 1e-13 * inside, "{found} {expected}");
+}
+
+#[test]
+fn divisors_that_overflow() {
+    let well = PöschlTeller { v: 2.0, w: 1.0 };
+    assert_eq!(well.gradient(&vector![500.0]), vector![0.0]); // 8 exp(−1000)
+    let slope = Steep {}.gradient(&vector![1e-20, 0.0])[0];
+    assert!((slope / -1.2e261 - 1.0).abs() < 1e-14, "{slope:e}");
+    assert_eq!(Steep {}.gradient(&vector![1e80, 0.0])[0], 0.0);
+}
