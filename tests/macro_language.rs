@@ -195,6 +195,13 @@ fn ties_and_edges() {
     }
 }
 
+/// Indices are compared when the macro runs: what is not equal to one.
+#[test]
+fn indices_that_differ() {
+    constraint! { struct Others {} |q: [f64; 4]| sum(i in 0..4, if i != 1 { q[i] } else { 0 }) }
+    assert_eq!(Others {}.jacobian(&vector![1.0, 1.0, 1.0, 1.0]), vector![1.0, 0.0, 1.0, 1.0].transpose());
+}
+
 /// Names that the generated code uses itself are free for users.
 #[test]
 fn no_name_is_taken() {

@@ -18,6 +18,16 @@ impl Arithmetic<'_> {
         Value::Unknown
     }
 
+    /// A result, which is no number that is known to be infinite or none.
+    pub(crate) fn finite(&mut self, result: Id, at: Extent) -> Value {
+        match self.graph.number(result) {
+            Some(number) if !number.is_finite() => {
+                self.wrong(at, format!("this constant is {}", named(number)))
+            }
+            _ => Value::Number(result),
+        }
+    }
+
     /// Applies an operation to every number in the value.
     pub(crate) fn map(&mut self, value: &Value, operation: &dyn Fn(&mut Graph, Id) -> Id) -> Value {
         match value {
@@ -93,6 +103,10 @@ impl Arithmetic<'_> {
             (Value::Number(number), Value::Array(_)) if operator == Mul => {
                 self.map(&right, &|graph, element| operation(graph, *number, element))
             }
+            (&Value::Number(a), &Value::Number(b)) => {
+                let result = operation(self.graph, a, b);
+                self.finite(result, extent)
+            }
             _ if a == b => self.zip(&left, &right, &|graph, a, b| operation(graph, a, b)),
             _ => {
                 let (a, b) = (described(&a), described(&b));
@@ -122,4 +136,9 @@ impl Condition {
             }
         }
     }
+}
+
+/// What a result is, in words.
+pub(crate) fn named(result: f64) -> &'static str {
+    if result.is_nan() { "not a real number" } else { "infinite" }
 }

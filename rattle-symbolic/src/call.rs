@@ -1,6 +1,6 @@
 //! Calls and powers: which functions there are, and what they make of the values of their arguments.
 
-use crate::arithmetic::Arithmetic;
+use crate::arithmetic::{Arithmetic, named};
 use crate::functions::{Binary, Function};
 use crate::graph::Graph;
 use crate::node::Id;
@@ -129,7 +129,7 @@ impl Arithmetic<'_> {
             let expected = match (fewest, most) {
                 (1, 1) => "1 argument".to_owned(),
                 (a, b) if a == b => format!("{a} arguments"),
-                (a, _) => format!("at least {a} arguments"),
+                (a, b) => format!("{a} to {b} arguments"),
             };
             let at = self.problems.extent_of(name);
             let found = arguments.len();
@@ -254,6 +254,14 @@ impl Arithmetic<'_> {
             }
         };
         let known = self.graph.number(x);
+        if let (Some(base), Exponent::Value(Value::Number(y))) = (known, &exponent)
+            && base <= 0.0
+            && self.graph.moving(*y)
+        {
+            let message =
+                format!("the base is {base}; an exponent that depends on variables needs a positive one");
+            return self.wrong(base_at, message);
+        }
         let (y, real) = match exponent {
             Exponent::Exact(ratio) if ratio.value().abs() > STEEPEST as f64 => {
                 let message = format!("the exponent is {ratio}, expected at most {STEEPEST}");
@@ -270,7 +278,8 @@ impl Arithmetic<'_> {
                     );
                 }
                 if let Some(halves) = ratio.parts(2).and_then(|halves| i32::try_from(halves).ok()) {
-                    return Value::Number(self.graph.power(x, halves));
+                    let power = self.graph.power(x, halves);
+                    return self.finite(power, base_at.to(exponent_at));
                 }
                 if let Some(thirds) = ratio.parts(3).and_then(|thirds| i32::try_from(thirds).ok()) {
                     let root = self.graph.call(Function::Cbrt, x);
@@ -297,9 +306,4 @@ impl Arithmetic<'_> {
         }
         Value::Number(self.graph.call2(Binary::Powf, x, y))
     }
-}
-
-/// What a result is, in words.
-fn named(result: f64) -> &'static str {
-    if result.is_nan() { "not a real number" } else { "infinite" }
 }

@@ -46,6 +46,7 @@ mod headings;
 mod macros;
 mod parse;
 mod parse_expression;
+mod parse_number;
 mod problems;
 mod syntax;
 mod tokens;

@@ -149,6 +149,7 @@ impl Lowering<'_> {
             }
             Kind::Family(..) => {
                 self.wrong(expr.extent, format!("found several expressions, expected {}", expected.noun));
+                self.unreadable = true;
             }
             _ => {
                 let value = self.expression(expr);
@@ -188,13 +189,17 @@ impl Lowering<'_> {
     /// Runs the body for every value of the indices.
     fn each(&mut self, binders: &[Binder], body: &mut dyn FnMut(&mut Self)) {
         let Some((binder, rest)) = binders.split_first() else { return body(self) };
-        let (Some(from), Some(to)) = (self.whole(&binder.from), self.whole(&binder.to)) else { return };
+        let (Some(from), Some(to)) = (self.whole(&binder.from), self.whole(&binder.to)) else {
+            self.unreadable = true;
+            return;
+        };
         let to = if binder.inclusive { to.saturating_add(1) } else { to };
         if let (Kind::Number(_, first), Kind::Number(_, last), true) =
             (&binder.from.kind, &binder.to.kind, from > to)
         {
             let message = format!("the range from {first} to {last} is empty; ranges run upwards");
             self.wrong(binder.from.extent.to(binder.to.extent), message);
+            self.unreadable = true;
             return;
         }
         let start = self.scope.len();
@@ -375,6 +380,10 @@ impl Lowering<'_> {
 
     fn unknown_function(&mut self, name: &Ident, text: &str) -> Value {
         let at = self.problems.extent_of(name);
+        if text == "sum" || text == "product" {
+            return self
+                .wrong(at, format!("`{text}` is written with an index, as in `{text}(i in 0..3, q[i])`"));
+        }
         if let Some(instead) = Callee::instead_of(text) {
             return self.wrong(at, format!("unknown function `{text}`; write {instead}"));
         }
@@ -486,6 +495,7 @@ impl Lowering<'_> {
             Operator::Greater => Some(order.is_gt()),
             Operator::GreaterOrEqual => Some(order.is_ge()),
             Operator::Equal => Some(order.is_eq()),
+            Operator::NotEqual => Some(order.is_ne()),
             _ => None,
         }
     }
@@ -527,8 +537,12 @@ impl Lowering<'_> {
                         }
                     };
                 }
-                Operator::Equal => {
-                    self.wrong(expr.extent, "`==` of real numbers is rarely true; compare with `<` or `<=`");
+                Operator::Equal | Operator::NotEqual => {
+                    let (symbol, rarely) =
+                        (operator.symbol(), if *operator == Operator::Equal { "true" } else { "false" });
+                    let message =
+                        format!("`{symbol}` of real numbers is rarely {rarely}; compare with `<` or `<=`");
+                    self.wrong(expr.extent, message);
                     self.unreadable = true;
                     return None;
                 }

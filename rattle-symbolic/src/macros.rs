@@ -105,6 +105,9 @@ impl Macro {
                 let message =
                     "expected coordinates and momenta of one shape, as in `|q: [f64; 2], p: [f64; 2]|`";
                 match variables {
+                    [p, q] if p.name == "p" && q.name == "q" => {
+                        problems.note_at(&p.name, "coordinates come first, then momenta: write `|q, p|`");
+                    }
                     [q, p] if q.shape == p.shape => {}
                     [_, p] => problems.note_at(&p.name, message),
                     [_, _, third, ..] => problems.note_at(&third.name, message),

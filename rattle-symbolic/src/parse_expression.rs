@@ -10,7 +10,7 @@
 //! parentheses or its own `let`, not the whole expression.
 
 use crate::functions::Function;
-use crate::problems::{Extent, Problems, shortened};
+use crate::problems::{Extent, Problems};
 use crate::syntax::{Binder, Expr, Kind, Let, Operator};
 use crate::tokens::{self, drain, error, found, invisible, is_invisible, meaningless, starts_operand};
 use proc_macro2::{Ident, Span};
@@ -22,7 +22,7 @@ use syn::{Lit, Token, braced, bracketed, parenthesized, token};
 const DEEPEST: u32 = 100;
 
 pub(crate) struct Parser<'p> {
-    problems: &'p mut Problems,
+    pub(crate) problems: &'p mut Problems,
     depth: u32,
     /// Whether this is the condition of an `if`, where `==` compares indices.
     condition: bool,
@@ -39,7 +39,8 @@ fn precedence(operator: Operator) -> usize {
         | Operator::LessOrEqual
         | Operator::Greater
         | Operator::GreaterOrEqual
-        | Operator::Equal => COMPARISON,
+        | Operator::Equal
+        | Operator::NotEqual => COMPARISON,
         Operator::Add | Operator::Sub => SUM,
         Operator::Mul | Operator::Div => 4,
     }
@@ -54,6 +55,7 @@ fn take(input: ParseStream, operator: Operator) -> Result<()> {
         Operator::LessOrEqual => input.parse::<Token![<=]>().map(drop),
         Operator::GreaterOrEqual => input.parse::<Token![>=]>().map(drop),
         Operator::Equal => input.parse::<Token![==]>().map(drop),
+        Operator::NotEqual => input.parse::<Token![!=]>().map(drop),
         Operator::Less => input.parse::<Token![<]>().map(drop),
         Operator::Greater => input.parse::<Token![>]>().map(drop),
         Operator::Add => input.parse::<Token![+]>().map(drop),
@@ -130,7 +132,7 @@ impl<'p> Parser<'p> {
         let at = self.problems.extent(span);
         self.problems.note(
             at,
-            format!("found `{symbol}`, expected one expression that is zero on the constraint; write `left - right`"),
+            format!("found `{symbol}`, expected an expression; for a constraint `left = right` write `left - right`"),
         );
         let right = self.expression(input)?;
         let extent = left.extent.to(right.extent);
@@ -149,6 +151,9 @@ impl<'p> Parser<'p> {
         }
         if self.condition && input.peek(Token![==]) {
             return Some(Operator::Equal);
+        }
+        if self.condition && input.peek(Token![!=]) {
+            return Some(Operator::NotEqual);
         }
         first!(|| Or, && And, <= LessOrEqual, >= GreaterOrEqual, < Less, > Greater, + Add, - Sub, * Mul, / Div);
         None
@@ -312,40 +317,6 @@ impl<'p> Parser<'p> {
         ))
     }
 
-    fn number(&mut self, input: ParseStream) -> Result<Expr> {
-        let literal: Lit = input.parse()?;
-        let (digits, suffix) = match &literal {
-            Lit::Int(int) => (int.base10_digits().to_owned(), int.suffix().to_owned()),
-            Lit::Float(float) => (float.base10_digits().to_owned(), float.suffix().to_owned()),
-            _ => {
-                let message = "expected a number; other literals have no meaning in a formula";
-                return Err(syn::Error::new_spanned(&literal, message));
-            }
-        };
-        let at = self.problems.extent(literal.span());
-        let value = digits.parse::<f64>().unwrap_or(f64::INFINITY);
-        if !value.is_finite() {
-            let digits = shortened(&digits);
-            self.problems
-                .note(at, format!("`{digits}` is too large for `f64`; the largest is about 1.8e308"));
-            return Ok(self.make(Kind::Wrong, at));
-        }
-        let number = self.make(Kind::Number(value, digits.clone()), at);
-        if suffix.is_empty() {
-            return Ok(number);
-        }
-        if is_type(&suffix) {
-            self.problems
-                .note(at, format!("found the type `{suffix}` at a number; all are real, write `{digits}`"));
-            return Ok(number);
-        }
-        let product = format!("{digits} * {suffix}");
-        self.problems.note(at, format!("found `{digits}{suffix}`, expected an operator; write `{product}`"));
-        let Ok(name) = syn::parse_str::<Ident>(&suffix) else { return Ok(number) };
-        let name = self.make(Kind::Name(Ident::new(&name.to_string(), literal.span())), at);
-        Ok(self.make(Kind::Chain(Box::new(number), vec![(Operator::Mul, name)]), at))
-    }
-
     fn name(&mut self, input: ParseStream) -> Result<Expr> {
         let name = input.call(Ident::parse_any)?;
         let start = self.problems.extent(name.span());
@@ -355,6 +326,10 @@ impl<'p> Parser<'p> {
         }
         if input.peek(Token![!]) && !input.peek(Token![!=]) {
             return self.foreign(&name, start, input);
+        }
+        if input.peek(Token![^]) && Function::named(&name.to_string()).is_some() {
+            let message = format!("a power of `{name}` is written `{name}(x)^2`");
+            return Err(syn::Error::new_spanned(&name, message));
         }
         if !input.peek(token::Paren) {
             return match starts_operand(input) && Function::named(&name.to_string()).is_some() {
@@ -568,7 +543,7 @@ impl<'p> Parser<'p> {
         Ok(value)
     }
 
-    fn make(&mut self, kind: Kind, extent: Extent) -> Expr {
+    pub(crate) fn make(&mut self, kind: Kind, extent: Extent) -> Expr {
         let below = |list: &[Expr]| list.iter().map(|expr| expr.depth).max().unwrap_or(0);
         let depth = match &kind {
             Kind::Wrong | Kind::Number(..) | Kind::Name(_) => 0,
@@ -588,8 +563,3 @@ impl<'p> Parser<'p> {
 }
 
 const TOO_DEEP: &str = "nested too deeply; give the inner part a name with `let`";
-
-fn is_type(suffix: &str) -> bool {
-    ["f32", "f64", "i8", "i16", "i32", "i64", "i128", "isize", "u8", "u16", "u32", "u64", "u128", "usize"]
-        .contains(&suffix)
-}

@@ -100,6 +100,7 @@ pub(crate) enum Operator {
     GreaterOrEqual,
     /// Of indices only.
     Equal,
+    NotEqual,
     And,
     Or,
 }
@@ -116,6 +117,7 @@ impl Operator {
             Operator::Greater => ">",
             Operator::GreaterOrEqual => ">=",
             Operator::Equal => "==",
+            Operator::NotEqual => "!=",
             Operator::And => "&&",
             Operator::Or => "||",
         }

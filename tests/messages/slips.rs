@@ -61,5 +61,37 @@ constraint! {
     pub struct Far { r }
     |q: [f64; 3]| sum(i in 0..50, q[i] + sin(q[0], i)) - foo(r)
 }
+constraint! {
+    pub struct Infinite { r }
+    |x, y| 1e300 * 1e300 * x + 1e200^2 * y + 1e-400 - r
+}
+constraint! {
+    pub struct Bases { r }
+    |x, y| (-2)^x + 0^y - r
+}
+constraint! {
+    pub struct Squared { r }
+    |q: [f64; 2]| sin^2(q[0]) + r
+}
+constraint! {
+    pub struct Summed { r }
+    |q: [f64; 2]| q.sum() - r
+}
+constraint! {
+    pub struct Many { r }
+    |x, y| min(x, y, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) - r + norm()
+}
+constraint! {
+    pub struct Unlike { r, n }
+    |x, y| if x != y { x - r } else { y } + sum(i in 0..n, x * i)
+}
+hamiltonian! {
+    pub struct Turned {}
+    |p, q| p^2 / 2 + q
+}
+potential! {
+    pub struct Equation { a }
+    |x, y| a * x = y
+}
 
 fn main() {}
