@@ -4,7 +4,9 @@
 use rattle::Error;
 use rattle::effect::{HardSpheres, Stop};
 use rattle::error::StepFailure;
+use rattle::potentials::Gravity;
 use rattle::prelude::*;
+use rattle::watch::Each;
 
 constraint! {
     /// A piston on a line.
@@ -116,4 +118,86 @@ fn who_cannot_part_is_told() {
         scene.simulate(start, Rattle::new(0.3)).unwrap().collide(Stop::above(Ceiling {})).unwrap();
     let error = simulation.run(6).unwrap_err();
     assert!(matches!(&error, Error::Step { cause: StepFailure::NoWayApart { .. }, step: 2, .. }), "{error}");
+}
+
+constraint! {
+    /// The floor.
+    struct Floor {}
+    |_x, _y, z| z
+}
+
+/// A ball that falls from 1/2 meets the floor at t = 1, 3, 5, … It is at z on the way down √(1 − 2 z) after its highest
+/// point, at t = 0, 2, 4, … Parabolas leave nothing but rounding, whatever lies between two sights.
+#[test]
+fn sections_end_at_impacts_and_begin_anew() {
+    const Z: f64 = 0.02;
+    let fall = (1.0 - 2.0 * Z).sqrt();
+    for (h, every) in [(0.1, 1), (0.07, 1), (0.07, 3), (0.1, 7), (0.08, 25), (-0.07, 3)] {
+        let scene = Scene::point().with(Gravity { g: 1.0 });
+        let start = State::at([0.0, 0.0, 0.5]).moving([0.3, 0.0, 0.0]);
+        let simulation = scene.simulate(start, Rattle::new(h)).unwrap();
+        let mut simulation = simulation.collide(Stop::above(Floor {})).unwrap();
+        let below = Section::of(|now: &Sight<'_, 3>| Z - now.position().z);
+        let up = Section::of(|now: &Sight<'_, 3>| now.step_size().signum() * now.momentum().z);
+        let mut sections = (below, Each::of(|| up.clone()));
+        simulation.observe((10.0 / h).abs() as u64 / every * every, every, &mut sections).unwrap();
+        let end = simulation.time().abs();
+        let (below, up) = (sections.0, sections.1.get(0).unwrap());
+        let times = |first: f64| (0..5).map(move |n| first + f64::from(2 * n)).filter(|&time| time < end);
+        let expected: Vec<f64> = times(fall).collect();
+        assert!(expected.len() > 3, "{h} {every}");
+        let found: Vec<f64> = below.crossings().iter().map(|crossing| crossing.time.abs()).collect();
+        assert_eq!(found.len(), expected.len(), "{h} {every}: {found:?}");
+        near(&found, &expected);
+        for crossing in below.crossings() {
+            let sign = h.signum();
+            near(&[crossing.positions[0].z, sign * crossing.momenta[0].z], &[Z, -fall]);
+            near(&[crossing.positions[0].x], &[0.3 * crossing.time]);
+        }
+        let expected: Vec<f64> = times(1.0).collect();
+        let found: Vec<f64> = up.crossings().iter().map(|crossing| crossing.time.abs()).collect();
+        assert_eq!(found.len(), expected.len(), "{h} {every}: {found:?}");
+        near(&found, &expected);
+        up.crossings().iter().for_each(|crossing| near(&[crossing.momenta[0].z], &[h.signum()]));
+    }
+}
+
+constraint! {
+    /// Two planes that meet in a ridge at x = 0.
+    struct Roof {}
+    |x, _y, z| z + abs(x)
+}
+
+/// Up to the ridge at t = 1 and down behind it: just before the ridge the path passes a height that it has lost again
+/// by the end of the step.
+#[test]
+fn sections_end_at_edges_and_begin_anew() {
+    for (h, every) in [(0.03, 1), (0.03, 20), (0.4, 1)] {
+        let start = State::at([-1.0, 0.0, -1.0]).moving([1.0, 0.5, 1.0]);
+        let simulation = Scene::on(Roof {}).simulate(start, Rattle::new(h)).unwrap();
+        let mut simulation = simulation.over_kinks().unwrap();
+        let mut section = Section::of(|now: &Sight<'_, 3>| now.position().z + 0.005);
+        simulation.observe((2.0 / h) as u64, every, &mut section).unwrap();
+        let [crossing] = section.crossings() else { panic!("one crossing: {:?}", section.crossings()) };
+        near(&[crossing.time, crossing.momenta[0].z, crossing.positions[0].y], &[0.995, 1.0, 0.4975]);
+    }
+}
+
+/// A run that has failed after an impact leaves nothing behind: the next one begins at its own start, which is later.
+#[test]
+fn sections_forget_the_jumps_of_a_run_that_failed() {
+    let scene = Scene::point().with(Gravity { g: 1.0 });
+    let simulation = scene.simulate(State::at([0.0, 0.0, 0.5]), Rattle::new(0.1)).unwrap();
+    let simulation = simulation.collide(Stop::above(Floor {}).restitution(0.5)).unwrap();
+    let mut known = simulation.clone();
+    known.run(100).unwrap_err();
+    let end = known.time();
+    let mut section = Section::of(|now: &Sight<'_, 3>| now.time - end);
+    let mut simulation = simulation;
+    let error = simulation.observe(100, 100, &mut section).unwrap_err();
+    assert!(matches!(error, Error::Step { cause: StepFailure::Rests { .. }, .. }), "{error}");
+    assert!(simulation.events() > 2 && section.crossings().is_empty());
+    let mut free = scene.simulate(simulation.state(), Rattle::new(0.1)).unwrap();
+    free.observe(1, 1, &mut section).unwrap();
+    assert!(section.crossings().is_empty(), "{:?}", section.crossings());
 }

@@ -10,7 +10,7 @@ use crate::motion::system::System;
 use crate::number::clock::after_steps;
 use crate::run::answers;
 use crate::run::simulation::Simulation;
-use crate::run::watch::seen::Page;
+use crate::run::watch::seen::{Page, write};
 use crate::run::watch::sight::{Sight, Source};
 use crate::systems::linked::kept::{Counts, Linked};
 use nalgebra::SVector;
@@ -280,11 +280,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 /// Vectors, one by one, as users have them.
 fn vectors<const D: usize>(list: &[[f64; D]]) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
     list.iter().map(|&x| x.into())
-}
-
-/// Writes them there.
-fn write<const D: usize>(list: &[[f64; D]], to: &mut [SVector<f64, D>]) {
-    to.iter_mut().zip(list).for_each(|(to, &x)| *to = x.into());
 }
 
 /// And back, without what rounding took.

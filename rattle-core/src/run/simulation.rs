@@ -293,7 +293,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let mut before = Seen::new(self.steps, 1, self.bodies(), |page| self.look(page));
         let mut now = before.clone();
         for _ in 0..steps / every {
-            self.take(every, &mut Listening(observer))?;
+            self.take_shown(every, observer, &before)?;
             now.steps = self.steps;
             self.look(now.page());
             observer.see(&before.sight(self), &now.sight(self));
@@ -301,6 +301,39 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             std::mem::swap(&mut before, &mut now);
         }
         self.take(steps % every, &mut Listening(observer))
+    }
+
+    /// Takes so many steps from the last sight on, and shows each instant at which momenta jump.
+    fn take_shown<O: Observer<D> + ?Sized>(
+        &mut self,
+        steps: u64,
+        observer: &mut O,
+        last: &Seen<D>,
+    ) -> Result<(), Error> {
+        if self.events.is_none() || !observer.sees_jumps() {
+            return self.take(steps, &mut Listening(observer));
+        }
+        let mut from = last.clone();
+        for _ in 0..steps {
+            let (steps, time) = (self.steps, self.time());
+            self.keep_jumps(Some(Vec::new()));
+            let taken = self.take(1, &mut Listening(observer));
+            let jumps = self.keep_jumps(None);
+            taken?;
+            for mut jump in jumps {
+                jump.iter_mut().for_each(|seen| seen.date(steps, time));
+                let [before, after] = jump;
+                observer.jump(&from.sight(self), &before.sight(self), &after.sight(self));
+                from = after;
+            }
+        }
+        Ok(())
+    }
+
+    /// Where jumps are kept from now on, if anywhere; those that were kept before.
+    fn keep_jumps(&mut self, jumps: Option<Vec<[Seen<D>; 2]>>) -> Vec<[Seen<D>; 2]> {
+        let kept = self.events.as_mut().map(|events| std::mem::replace(&mut events.search.jumps, jumps));
+        kept.flatten().unwrap_or_default()
     }
 
     /// Takes so many steps. In one place for all who take steps: a step is much to compile.

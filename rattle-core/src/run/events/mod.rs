@@ -23,6 +23,7 @@ use crate::motion::bodies::Saved;
 use crate::motion::method::Method;
 use crate::motion::system::System;
 use crate::run::trouble::Trouble;
+use crate::run::watch::seen::Seen;
 use edge::Edge;
 pub(in crate::run) use meeting::Meetings;
 use meeting::WhichContact;
@@ -53,12 +54,16 @@ pub(in crate::run) struct Search<const D: usize> {
     pub(in crate::run) meetings: Meetings<D>,
     pub(in crate::run) over_kinks: bool,
     normals: [Vec<[f64; D]>; 2],
+    /// Where momenta jumped in the last step, before it and after it, if anyone wants to know. Times are counted from
+    /// the start of the step.
+    pub(in crate::run) jumps: Option<Vec<[Seen<D>; 2]>>,
 }
 
 impl<const D: usize> Clone for Search<D> {
     #[inline(never)]
     fn clone(&self) -> Self {
-        Self { meetings: self.meetings.clone(), normals: self.normals.clone(), ..*self }
+        let (normals, jumps) = (self.normals.clone(), self.jumps.clone());
+        Self { meetings: self.meetings.clone(), normals, jumps, ..*self }
     }
 }
 
@@ -72,7 +77,7 @@ enum Event {
 impl<const D: usize> Search<D> {
     pub(in crate::run) fn among(bodies: usize) -> Self {
         let normals = [(); 2].map(|()| vec![[0.0; D]; bodies]);
-        Self { meetings: Meetings::none(), over_kinks: false, normals }
+        Self { meetings: Meetings::none(), over_kinks: false, normals, jumps: None }
     }
 
     /// Takes the step apart at its events, after it `went` as a whole; says how many there were.
@@ -87,6 +92,8 @@ impl<const D: usize> Search<D> {
         self.meetings.begin();
         loop {
             let Some((event, after)) = self.first(stretch, left, went)? else { return Ok(number) };
+            let before = self.jumps.as_ref().map(|_| stretch.seen(whole - left + after));
+            let earlier = number;
             number += match event {
                 Event::Impacts(which) => {
                     let impacts = impact::impacts(&mut self.meetings, stretch, most - number)?;
@@ -102,6 +109,11 @@ impl<const D: usize> Search<D> {
                 }
             };
             left -= after;
+            if let (Some(jumps), Some(before)) = (&mut self.jumps, before)
+                && number > earlier
+            {
+                jumps.push([before, stretch.seen(whole - left)]);
+            }
             stretch.begin();
             if left <= f64::EPSILON * whole {
                 return Ok(number);

@@ -12,6 +12,7 @@ use crate::motion::system::System;
 use crate::motion::witness::Hears;
 use crate::run::seldom::seldom;
 use crate::run::trouble::Trouble;
+use crate::run::watch::seen::{Seen, write};
 
 /// A stretch of a step. Lengths are positive, whichever way time runs.
 pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usize> {
@@ -86,6 +87,16 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
     pub(super) fn go_back(&mut self) {
         self.system.put_back(self.bodies, self.start);
         self.bodies.noise = self.noise;
+    }
+
+    /// What is seen of bodies this far from the start of the step.
+    pub(super) fn seen(&self, passed: f64) -> Seen<D> {
+        let (q, p) = (self.bodies.q.as_ref(), self.bodies.p.as_ref());
+        Seen::new(0, 1, q.len(), |page| {
+            page.times[0] = self.sign() * passed;
+            write(q, page.positions);
+            write(p, page.momenta);
+        })
     }
 
     /// Begins anew where bodies are.

@@ -45,6 +45,14 @@ impl<F: Fn() -> O, O: Observer<D>, const D: usize> Observer<D> for Each<F, O> {
         self.observers.entry(now.trajectory).or_insert_with(&self.new).see(before, now);
     }
 
+    fn sees_jumps(&self) -> bool {
+        self.observers.values().next().map_or_else(|| (self.new)().sees_jumps(), Observer::sees_jumps)
+    }
+
+    fn jump(&mut self, from: &Sight<'_, D>, before: &Sight<'_, D>, after: &Sight<'_, D>) {
+        self.observers.entry(after.trajectory).or_insert_with(&self.new).jump(from, before, after);
+    }
+
     fn join(&mut self, mut next: Self) {
         self.observers.append(&mut next.observers);
     }

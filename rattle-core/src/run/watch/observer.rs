@@ -44,6 +44,17 @@ pub trait Observer<const D: usize> {
     /// Called with a trajectory as it is now, and as it was at the previous sight; at the first sight, as it was at the
     /// start.
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>);
+    /// Whether [`jump`](Self::jump) is to be called. An observer that hands sights on to another one hands on both.
+    fn sees_jumps(&self) -> bool {
+        false
+    }
+    /// Called in a simulation at each instant at which momenta jump: at
+    /// [impacts](crate::run::simulation::Simulation::collide) and at
+    /// [edges](crate::run::simulation::Simulation::over_kinks). It is shown the trajectory right before and right after
+    /// the jump. `from` is the last sight, or right after the jump before, if that was later; in between momenta do not
+    /// jump. Jumps come in their order, before the sight that follows them. The number of steps is that before the step
+    /// in which they happen. Ensembles have no jumps.
+    fn jump(&mut self, _from: &Sight<'_, D>, _before: &Sight<'_, D>, _after: &Sight<'_, D>) {}
     /// Adds the data of the observer of the next trajectories. Not called in a simulation, which is one trajectory.
     fn join(&mut self, next: Self)
     where
@@ -69,6 +80,13 @@ impl<A: Observer<D>, B: Observer<D>, const D: usize> Observer<D> for (A, B) {
         self.0.see(before, now);
         self.1.see(before, now);
     }
+    fn sees_jumps(&self) -> bool {
+        self.0.sees_jumps() || self.1.sees_jumps()
+    }
+    fn jump(&mut self, from: &Sight<'_, D>, before: &Sight<'_, D>, after: &Sight<'_, D>) {
+        self.0.jump(from, before, after);
+        self.1.jump(from, before, after);
+    }
     fn join(&mut self, next: Self) {
         self.0.join(next.0);
         self.1.join(next.1);
@@ -92,6 +110,12 @@ impl<A: Observer<D>, const N: usize, const D: usize> Observer<D> for [A; N] {
     #[inline(always)]
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
         self.iter_mut().for_each(|member| member.see(before, now));
+    }
+    fn sees_jumps(&self) -> bool {
+        self.iter().any(Observer::sees_jumps)
+    }
+    fn jump(&mut self, from: &Sight<'_, D>, before: &Sight<'_, D>, after: &Sight<'_, D>) {
+        self.iter_mut().for_each(|member| member.jump(from, before, after));
     }
     fn join(&mut self, next: Self) {
         self.iter_mut().zip(next).for_each(|(member, next)| member.join(next));

@@ -10,6 +10,9 @@ use nalgebra::SVector;
 /// interpolation), off by up to h⁴/384 times the fourth derivative of q. Momenta are interpolated by parabolas, bent by
 /// the change of ṗ: off by up to h³/96 times their third derivative. The crossing is where s is zero on that path. A
 /// crossing evaluates velocities and forces at both sights, and allocates.
+///
+/// Where momenta [jump](Observer::jump) between two sights, at impacts and edges, the path ends at the jump and begins
+/// anew there. If s itself passes zero by the jump, the crossing is at its instant, with the momenta after it.
 #[doc(alias = "event detection")]
 #[doc(alias = "Poincaré map")]
 #[doc(alias = "return map")]
@@ -17,6 +20,8 @@ use nalgebra::SVector;
 pub struct Section<Q, const D: usize> {
     quantity: Q,
     crossings: Vec<Crossing<D>>,
+    /// The trajectory right after the last jump since the last sight, and how many steps were taken then.
+    jumped: Option<(u64, Crossing<D>)>,
 }
 
 /// A crossing of a [`Section`].
@@ -35,13 +40,22 @@ pub struct Crossing<const D: usize> {
 impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Section<Q, D> {
     /// A section where this quantity s passes zero from below.
     pub fn of(quantity: Q) -> Self {
-        Self { quantity, crossings: Vec::new() }
+        Self { quantity, crossings: Vec::new(), jumped: None }
     }
 
     /// All crossings: those of the first group of trajectories in the order in which they happened, then those of the
     /// next group. [`return_times`](Self::return_times) sorts them by trajectory.
     pub fn crossings(&self) -> &[Crossing<D>] {
         &self.crossings
+    }
+
+    /// Adds the crossing on a way without jumps, if there is one.
+    #[inline(always)]
+    fn pass(&mut self, from: &Sight<'_, D>, to: &Sight<'_, D>) {
+        let (s0, s1) = ((self.quantity)(from), (self.quantity)(to));
+        if s0 < 0.0 && s1 >= 0.0 {
+            self.crossings.push(self.crossing((from, s0), (to, s1)));
+        }
     }
 
     /// Where s passes from s₀ < 0 to s₁ ≥ 0.
@@ -88,10 +102,26 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Section<Q, D> {
 impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Section<Q, D> {
     #[inline(always)]
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
-        let (s0, s1) = ((self.quantity)(before), (self.quantity)(now));
-        if s0 < 0.0 && s1 >= 0.0 {
-            self.crossings.push(self.crossing((before, s0), (now, s1)));
+        match self.jumped.take() {
+            // Not that of a run that ended with an error before its next sight.
+            Some((step, after)) if (before.step..now.step).contains(&step) => {
+                self.pass(&after.sight(now), now)
+            }
+            _ => self.pass(before, now),
         }
+    }
+
+    fn sees_jumps(&self) -> bool {
+        true
+    }
+
+    fn jump(&mut self, from: &Sight<'_, D>, before: &Sight<'_, D>, after: &Sight<'_, D>) {
+        self.pass(from, before);
+        let there = Crossing::of(after);
+        if (self.quantity)(before) < 0.0 && (self.quantity)(after) >= 0.0 {
+            self.crossings.push(there.clone());
+        }
+        self.jumped = Some((after.step, there));
     }
 
     fn join(&mut self, mut next: Self) {

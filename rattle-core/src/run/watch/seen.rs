@@ -42,6 +42,12 @@ impl<const D: usize> Seen<D> {
         self.times.len() + 2 * D * self.positions.len()
     }
 
+    /// Counts its times from this one on, after so many steps.
+    pub(crate) fn date(&mut self, steps: u64, time: f64) {
+        self.steps = steps;
+        self.times.iter_mut().for_each(|passed| *passed += time);
+    }
+
     /// Where it is to be written.
     pub(crate) fn page(&mut self) -> Page<'_, D> {
         Page { times: &mut self.times, positions: &mut self.positions, momenta: &mut self.momenta }
@@ -70,4 +76,9 @@ impl<const D: usize> Seen<D> {
             Sight { trajectory, step, time, positions, momenta, source: (source, own) }
         })
     }
+}
+
+/// Writes vectors there.
+pub(crate) fn write<const D: usize>(list: &[[f64; D]], to: &mut [SVector<f64, D>]) {
+    to.iter_mut().zip(list).for_each(|(to, &x)| *to = x.into());
 }
