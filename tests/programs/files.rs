@@ -14,5 +14,7 @@ mod page;
 mod plot;
 #[path = "../price_page.rs"]
 mod price_page;
+#[path = "../recorded.rs"]
+mod recorded;
 #[path = "../recorders.rs"]
 mod recorders;

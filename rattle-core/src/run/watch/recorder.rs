@@ -4,6 +4,7 @@
 //! to a file does not grow.
 
 use crate::error::Error;
+use crate::number::clock::steps_to;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::sight::Sight;
 use std::fmt;
@@ -148,8 +149,11 @@ impl<const D: usize> Columns<D> {
         self
     }
 
-    /// Records only the first sight at or after each of these times, given in any order; the start counts as a sight.
-    /// Times are not met more exactly than the run is observed.
+    /// Records only the first sight at or after each of these times, given in any order; where time runs back, at or
+    /// before. The start counts as a sight: it is that of all times that it has reached. A time that is less than a
+    /// millionth of a step ahead counts as reached, as by
+    /// [`run_until`](crate::run::simulation::Simulation::run_until). Times are not met more exactly than the run is
+    /// observed. With a time that is NaN the run ends with [`Error::Recorder`] at its first row.
     #[must_use]
     pub fn at_times(mut self, times: impl IntoIterator<Item = f64>) -> Self {
         let mut times = times.into_iter().collect::<Vec<_>>();
@@ -168,29 +172,42 @@ impl<const D: usize> Columns<D> {
         self
     }
 
-    /// Whether one of the times, if there are some, lies between two sights, or is that of the second.
+    /// Whether one of the times, if there are some, is reached between two sights, or at the second.
     fn wants(&self, before: &Sight<'_, D>, now: &Sight<'_, D>) -> bool {
-        let Some(times) = &self.times else { return true };
-        let (from, to) = (before.time.min(now.time), before.time.max(now.time));
-        let up_to = |time: f64| times.partition_point(|&x| x <= time);
-        up_to(to) > up_to(from)
+        self.times.as_ref().is_none_or(|times| reached(times, now) > reached(times, before))
     }
 
     /// Whether a row of the start is wanted.
     fn wants_start(&self, start: &Sight<'_, D>) -> bool {
-        self.with_start || self.times.as_ref().is_some_and(|times| times.contains(&start.time))
+        self.with_start || self.times.as_ref().is_some_and(|times| reached(times, start) > 0)
     }
 
-    /// What is wrong with the names.
+    /// What is wrong with the names and the times.
     fn mistake(&self) -> Option<String> {
+        if self.times.as_ref().is_some_and(|times| times.iter().any(|time| time.is_nan())) {
+            return Some("a time at which to record is NaN".into());
+        }
         let mut names = vec!["step", "trajectory", "t"];
         for (name, ..) in &self.columns {
-            if name.is_empty() || names.contains(&&**name) {
+            if name.is_empty() {
+                return Some("a column needs a name of its own, found an empty one".into());
+            }
+            if names.contains(&&**name) {
                 return Some(format!("a column needs a name of its own, found `{name}` again"));
             }
             names.push(name);
         }
         None
+    }
+}
+
+/// How many of these times, which are sorted, a trajectory has reached.
+fn reached<const D: usize>(times: &[f64], sight: &Sight<'_, D>) -> usize {
+    let h = sight.step_size();
+    let is_reached = |time: &f64| steps_to(*time, sight.time, h) <= 0.0;
+    match h < 0.0 {
+        true => times.len() - times.partition_point(|time| !is_reached(time)),
+        false => times.partition_point(is_reached),
     }
 }
 
@@ -319,8 +336,8 @@ pub struct Recorder<S: Sink, const D: usize> {
 }
 
 impl<S: Sink, const D: usize> Recorder<S, D> {
-    /// A recorder of these columns into `sink`. Where two columns have one name, the run that it observes ends with
-    /// [`Error::Recorder`] at its first row.
+    /// A recorder of these columns into `sink`. Where two columns have one name, or a time is NaN, the run that it
+    /// observes ends with [`Error::Recorder`] at its first row.
     pub fn of(columns: &Columns<D>, sink: S) -> Self {
         let failure = columns.mistake().map(|why| Error::Recorder { rows: 0, why });
         let (rows, at) = (Rows::default(), Instant::now());

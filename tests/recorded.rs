@@ -1,0 +1,62 @@
+//! What a recorder keeps and how it is called in files: times that a run reaches, names that would hide others.
+
+use rattle::Error;
+use rattle::prelude::*;
+use rattle::watch::{Columns, Recorder, Rows};
+
+/// A free body from this time on, in so many steps of h, recorded at these times.
+fn rows(start: f64, h: f64, steps: u64, times: &[f64]) -> Vec<f64> {
+    let start = State::at([0.0, 0.0, 0.0]).moving([1.0, 0.0, 0.0]).at_time(start);
+    let mut simulation = Scene::point().simulate(start, Rattle::new(h)).unwrap();
+    let columns = Columns::<3>::new().positions().at_times(times.iter().copied());
+    let mut recorder = Recorder::of(&columns, Rows::default());
+    simulation.observe(steps, 1, &mut recorder).unwrap();
+    recorder.finish().unwrap().times
+}
+
+fn near(found: &[f64], expected: &[f64]) {
+    let same = found.len() == expected.len() && found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9);
+    assert!(same, "{found:?} for {expected:?}");
+}
+
+/// Forwards the first sight at or after, backwards at or before; the start is that of all times before it.
+#[test]
+fn times_are_reached_whichever_way_they_run() {
+    near(&rows(1.0, -0.01, 100, &[1.0, 0.95, 0.935]), &[1.0, 0.95, 0.93]);
+    near(&rows(1.0, -0.01, 100, &[0.935, 2.0, f64::NEG_INFINITY]), &[1.0, 0.93]);
+    near(&rows(0.0, 0.01, 100, &[-1.0, 0.02]), &[0.0, 0.02]);
+    near(&rows(0.0, 0.01, 100, &[0.015, 0.0151, 0.5, f64::INFINITY]), &[0.02, 0.5]);
+    near(&rows(0.0, 0.01, 100, &[]), &[]);
+    near(&rows(5.0, 0.01, 100, &[0.5, 1.0]), &[5.0]);
+}
+
+/// A time is not a step late because it was rounded up.
+#[test]
+fn times_that_are_whole_steps_away_are_reached_by_these() {
+    for (start, h) in [(0.0, 0.01_f64), (0.0, -0.01), (1.0, 0.1 / 3.0), (-2.0, -0.07)] {
+        let times: Vec<f64> = (0..40).map(|k| start + (h * 10.0) * f64::from(k)).collect();
+        near(&rows(start, h, 395, &times), &times);
+        let later: Vec<f64> = times.iter().map(|time| time + 1e-4 * h).collect();
+        let next: Vec<f64> = times.iter().map(|time| time + h).collect();
+        near(&rows(start, h, 395, &later), &next);
+    }
+}
+
+#[test]
+fn a_time_that_is_no_number_is_told() {
+    let mut simulation = Scene::points::<3>(1).simulate(State::at([0.0; 3]), Rattle::new(0.1)).unwrap();
+    let columns = Columns::<3>::new().at_times([0.1, f64::NAN]);
+    let mut recorder = Recorder::of(&columns, Rows::default());
+    let error = simulation.observe(10, 1, &mut recorder).unwrap_err();
+    assert!(matches!(&error, Error::Recorder { rows: 0, why } if why.contains("NaN")), "{error}");
+}
+
+/// A name that is empty is not called one that is there twice.
+#[test]
+fn an_empty_name_is_told() {
+    let columns = Columns::<3>::new().quantity("", |_| 0.0);
+    let mut recorder = Recorder::of(&columns, Rows::default());
+    let mut simulation = Scene::points::<3>(1).simulate(State::at([0.0; 3]), Rattle::new(0.1)).unwrap();
+    let error = simulation.observe(10, 1, &mut recorder).unwrap_err().to_string();
+    assert!(error.contains("an empty one") && !error.contains("again"), "{error}");
+}
