@@ -110,7 +110,7 @@ fn array(
     components: usize,
     numbers: impl IntoIterator<Item = impl Debug>,
 ) {
-    let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
+    let name = escaped(name);
     let _ = writeln!(
         out,
         "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"ascii\">"
@@ -119,6 +119,11 @@ fn array(
         let _ = write!(out, "{number:?} "); // into a string
     }
     out.push_str("\n</DataArray>\n");
+}
+
+/// As the value of an attribute.
+fn escaped(name: &str) -> String {
+    name.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// A time series: files `name_000000.vtu`, … and `name.pvd` with their times. `name.pvd` is complete after each file.
@@ -139,14 +144,20 @@ pub struct Series {
 const END: &str = "</Collection></VTKFile>\n";
 
 impl Series {
-    /// Creates the list `path`, which ends in `.pvd`, and its folder where that is missing.
+    /// Creates the list `path`, and its folder where that is missing. `.pvd` is added to a path that does not end so:
+    /// `k=0.1` is `k=0.1.pvd`.
     ///
     /// # Errors
-    /// Those of the file system; a path without a file's name.
+    /// Those of the file system; a path without a file's name, or with one that is not Unicode.
     pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
         let path = path.as_ref();
-        let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path names no file");
-        let name = path.file_stem().ok_or_else(no_name)?.to_string_lossy().into_owned();
+        let wrong = |why| io::Error::new(io::ErrorKind::InvalidInput, why);
+        let name = path.file_name().ok_or_else(|| wrong("the path names no file"))?;
+        let name = name.to_str().ok_or_else(|| wrong("the name of the file is not Unicode"))?;
+        let name = name.strip_suffix(".pvd").unwrap_or(name).to_owned();
+        if name.is_empty() {
+            return Err(wrong("the name of the file is its ending"));
+        }
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
         fs::create_dir_all(&folder)?;
         let list = File::create(folder.join(format!("{name}.pvd")))?;
@@ -178,6 +189,7 @@ impl Series {
         let mut entries = String::new();
         for (part, file) in [&file].into_iter().chain(&self.still).enumerate() {
             // into a string
+            let file = escaped(file);
             let _ = writeln!(entries, "<DataSet timestep=\"{time:?}\" part=\"{part}\" file=\"{file}\"/>");
         }
         self.append(&entries)

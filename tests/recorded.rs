@@ -2,7 +2,10 @@
 
 use rattle::Error;
 use rattle::prelude::*;
+use rattle::record::Vtu;
+use rattle::vtu::Series;
 use rattle::watch::{Columns, Recorder, Rows};
+use std::fs;
 
 /// A free body from this time on, in so many steps of h, recorded at these times.
 fn rows(start: f64, h: f64, steps: u64, times: &[f64]) -> Vec<f64> {
@@ -49,6 +52,29 @@ fn a_time_that_is_no_number_is_told() {
     let mut recorder = Recorder::of(&columns, Rows::default());
     let error = simulation.observe(10, 1, &mut recorder).unwrap_err();
     assert!(matches!(&error, Error::Recorder { rows: 0, why } if why.contains("NaN")), "{error}");
+}
+
+/// Only the ending is cut off, and names are what they are in XML.
+#[test]
+fn series_keep_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for name in ["k=0.1", "k=0.2", "a&b.pvd", "plain", "x.vtu"] {
+        Series::create(at(name)).unwrap().add(0.5, name).unwrap();
+    }
+    let files = ["k=0.1", "k=0.2", "a&b", "plain", "x.vtu"];
+    for (file, name) in files.iter().zip(["k=0.1", "k=0.2", "a&b.pvd", "plain", "x.vtu"]) {
+        assert_eq!(fs::read_to_string(at(&format!("{file}_000000.vtu"))).unwrap(), name);
+        let list = fs::read_to_string(at(&format!("{file}.pvd"))).unwrap();
+        let told = format!("file=\"{}_000000.vtu\"", file.replace('&', "&amp;"));
+        assert!(list.contains(&told), "{list}");
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 10);
+    Vtu::create(at("k=0.3")).unwrap();
+    assert!(at("k=0.3.pvd").exists());
+    for none in ["..", ".pvd"] {
+        assert!(Series::create(at(none)).is_err(), "{none}");
+    }
 }
 
 /// A name that is empty is not called one that is there twice.

@@ -17,10 +17,10 @@ pub struct Vtu {
 }
 
 impl Vtu {
-    /// Creates `path`, which ends in `.pvd`, and its folder where that is missing.
+    /// Creates `path`, and its folder where that is missing. `.pvd` is added to a path that does not end so.
     ///
     /// # Errors
-    /// What the system says; a path without a file's name.
+    /// What the system says; a path without a file's name, or with one that is not Unicode.
     pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
         Ok(Self { series: Series::create(path)? })
     }
