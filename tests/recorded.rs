@@ -2,7 +2,7 @@
 
 use rattle::Error;
 use rattle::prelude::*;
-use rattle::record::Vtu;
+use rattle::record::{Stream, Vtu, Xyz};
 use rattle::vtu::Series;
 use rattle::watch::{Columns, Recorder, Rows};
 use std::fs;
@@ -75,6 +75,28 @@ fn series_keep_their_names() {
     for none in ["..", ".pvd"] {
         assert!(Series::create(at(none)).is_err(), "{none}");
     }
+}
+
+/// A line of extended XYZ has each key once.
+#[test]
+fn keys_of_extended_xyz_are_not_taken_twice() {
+    let told = |names: &[&str]| {
+        let stream = Stream::to(Xyz::to(Vec::new(), "X"));
+        let columns = Columns::<3>::new().positions();
+        let columns = names.iter().fold(columns, |columns, name| columns.quantity(name, |_| 1.0));
+        let mut recorder = Recorder::of(&columns, stream.sink());
+        let start = State::at([0.0; 3]);
+        let mut simulation = Scene::points::<3>(1).simulate(start, Rattle::new(0.1)).unwrap();
+        let ended = simulation.observe(10, 1, &mut recorder).and_then(|()| recorder.finish().map(drop));
+        let told = stream.finish().map_err(|error| error.to_string());
+        assert!(ended.is_ok() || told.is_err(), "{ended:?}");
+        told
+    };
+    for key in ["Lattice", "Properties", "pbc", "Time", "Step", "Trajectory"] {
+        assert!(told(&[key]).unwrap_err().contains(&format!("`{key}` is a key of extended XYZ")), "{key}");
+    }
+    assert!(told(&["a b", "a_b"]).unwrap_err().contains("two quantities would be called `a_b`"));
+    assert_eq!(told(&["time", "a b", "a=c"]), Ok(10));
 }
 
 /// A name that is empty is not called one that is there twice.

@@ -109,7 +109,7 @@ impl Stream {
     }
 }
 
-pub(super) fn wrong(what: &'static str) -> io::Error {
+pub(super) fn wrong(what: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, what)
 }
 
@@ -224,7 +224,9 @@ impl Writer for NpzParts {
 
 /// Extended XYZ: one frame for each row, with the positions of the bodies and, if they were recorded, their momenta.
 /// Bodies have one to three coordinates; missing ones are written as 0. The second line of a frame has the time, step,
-/// trajectory and the other numbers of the row.
+/// trajectory and the other numbers of the row. These are called as they were recorded, with `_` for blanks, `=` and
+/// `"`. A quantity called as a key of the format itself is refused: `Lattice`, `Properties`, `pbc`, `Time`, `Step` or
+/// `Trajectory`; so are two of one name.
 #[doc(alias = "ovito")]
 #[doc(alias = "dump")]
 #[derive(Debug)]
@@ -246,6 +248,9 @@ impl Xyz<File> {
         Ok(Self::to(File::create(path)?, species))
     }
 }
+
+/// What a line of extended XYZ says besides the quantities of a user.
+const KEYS: [&str; 6] = ["Lattice", "Properties", "pbc", "Time", "Step", "Trajectory"];
 
 /// Blanks divide what stands in a line.
 fn one_word(species: &str) -> io::Result<()> {
@@ -277,6 +282,16 @@ impl<W: Write + Send + 'static> Writer for Xyz<W> {
         let key = |name: &str| name.replace(|c: char| c.is_whitespace() || "=\"".contains(c), "_");
         let others = others.map(|column| (key(&column.name), rows.numbers(&column.name).collect::<Vec<_>>()));
         let others = others.collect::<Vec<_>>();
+        for (i, (name, _)) in others.iter().enumerate() {
+            if KEYS.contains(&&**name) {
+                return Err(wrong(format!(
+                    "`{name}` is a key of extended XYZ itself; call the quantity otherwise"
+                )));
+            }
+            if others[..i].iter().any(|other| other.0 == *name) {
+                return Err(wrong(format!("two quantities would be called `{name}` in extended XYZ")));
+            }
+        }
         for row in 0..rows.len() {
             let (step, trajectory, time) = (rows.steps[row], rows.trajectories[row], rows.times[row]);
             writeln!(self.to, "{bodies}")?;
