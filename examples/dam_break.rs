@@ -48,7 +48,7 @@ fn run<M: Method>(name: &str, spacing: f64, method: impl FnOnce(&Flow) -> M) -> 
         "Overland flow by the law of Darcy and Weisbach, from a basin down a ramp with plants into another basin.",
     );
     let mut page = page.units("m", "s");
-    page.add(0.0, simulation.depth());
+    page.add(0.0, simulation.depth())?;
     let (mut volumes, mut fluxes) = (vec![(0.0, simulation.volume())], vec![(0.0, 0.0)]);
     let mut depths = gauges.map(|(label, vertex)| (label, vec![(0.0, simulation.depth()[vertex])]));
     let mut least = f64::INFINITY;
@@ -65,7 +65,7 @@ fn run<M: Method>(name: &str, spacing: f64, method: impl FnOnce(&Flow) -> M) -> 
             curve.push((t, simulation.depth()[vertex]));
         }
         if step % 8 == 0 {
-            page.add(t, simulation.depth());
+            page.add(t, simulation.depth())?;
         }
         bar.inc(1);
         bar.set_message(format!("volume {:+.1e}", simulation.budget().remainder()));

@@ -75,7 +75,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let discharge = (budget.outflow - before) / MINUTE;
         before = budget.outflow;
         leaving.push((f64::from(minute), discharge));
-        page.add(end / MINUTE, simulation.depth());
+        page.add(end / MINUTE, simulation.depth())?;
         if minute % 10 == 0 {
             println!(
                 "{minute:6} {:9.0} {:11.0} {:9.0} {discharge:13.3} {:16.0} {:16.1e} {:7}",

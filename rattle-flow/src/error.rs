@@ -113,6 +113,17 @@ pub enum FlowError {
         /// How many are needed.
         expected: usize,
     },
+    /// An outlet or an inflow is nowhere.
+    #[error(
+        "{what} chooses none of the {edges} edges of the boundary; it is asked at their midpoints, \
+         which rounding may move"
+    )]
+    NoEdge {
+        /// What chooses none.
+        what: &'static str,
+        /// The number of edges of the boundary.
+        edges: usize,
+    },
     /// The method does not support a part of the flow.
     #[error("{method} does not have {what}; take it out of the flow, or simulate by the conservative method")]
     NotServed {

@@ -76,6 +76,8 @@ pub struct Flow {
     /// At each vertex: Σ ½ length · c √slope of its open edges, once friction is known.
     pub(crate) outlet: Vec<f64>,
     inflow: Vec<(Vec<(u32, f64)>, Rate)>,
+    /// What was given for edges, of which none was chosen.
+    nowhere: Option<&'static str>,
 }
 
 impl Flow {
@@ -92,6 +94,7 @@ impl Flow {
             open: Vec::new(),
             outlet: vec![0.0; n],
             inflow: Vec::new(),
+            nowhere: None,
             mesh,
         }
     }
@@ -136,37 +139,44 @@ impl Flow {
     }
 
     /// Opens the boundary at edges whose midpoint is `chosen`: water leaves there as it would flow down a plane of this
-    /// slope, q · n = c hᵅ √slope, with the friction of the triangle at the edge.
+    /// slope, q · n = c hᵅ √slope, with the friction of the triangle at the edge. An edge that is chosen again has the
+    /// later slope.
     #[must_use]
     pub fn outlet(mut self, slope: f64, chosen: impl Fn([f64; 2]) -> bool) -> Self {
-        let edges = self.edges(chosen);
+        let edges = self.edges("an outlet", chosen);
+        self.open.retain(|open| edges.iter().all(|edge| edge.0 != open.0));
         self.open.extend(edges.into_iter().map(|(edge, half)| (edge, slope, half)));
         self
     }
 
     /// Adds inflow over the boundary edges whose midpoint is `chosen`: −q · n with the outer normal n, positive and in
-    /// area per time, as a function of position (evaluated at the ends of the edges) and time.
+    /// area per time, as a function of position (evaluated at the ends of the edges) and time. Over an edge that is
+    /// chosen again the sum enters.
     #[must_use]
     pub fn inflow(
         mut self,
         discharge: impl Fn([f64; 2], f64) -> f64 + Send + Sync + 'static,
         chosen: impl Fn([f64; 2]) -> bool,
     ) -> Self {
-        let edges = self.edges(chosen).into_iter();
+        let edges = self.edges("an inflow", chosen).into_iter();
         let shares =
             edges.flat_map(|(edge, half)| self.mesh.boundary()[edge].map(|vertex| (vertex, half))).collect();
         self.inflow.push((shares, Box::new(discharge)));
         self
     }
 
-    /// The chosen edges of the boundary, by number, with half their length.
-    fn edges(&self, chosen: impl Fn([f64; 2]) -> bool) -> Vec<(usize, f64)> {
+    /// The chosen edges of the boundary, by number, with half their length. It is noted where there are none.
+    fn edges(&mut self, what: &'static str, chosen: impl Fn([f64; 2]) -> bool) -> Vec<(usize, f64)> {
         let with_ends = self.mesh.boundary().iter().enumerate();
         let with_ends = with_ends.map(|(edge, ends)| (edge, ends.map(|v| self.mesh.points()[v as usize])));
-        with_ends
+        let edges: Vec<_> = with_ends
             .filter(|(_, [a, b])| chosen([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]))
             .map(|(edge, [a, b])| (edge, 0.5 * squared(a, b).sqrt()))
-            .collect()
+            .collect();
+        if edges.is_empty() {
+            self.nowhere = self.nowhere.or(Some(what));
+        }
+        edges
     }
 
     /// Whether water is let in over the boundary.
@@ -228,7 +238,8 @@ impl Flow {
     ///
     /// # Errors
     /// [`FlowError::Count`]; [`FlowError::Given`] for a depth, terrain, friction or infiltration that is negative where
-    /// it must not be, or NaN; [`FlowError::Number`] for the time step, gravity, and the slope of an outlet.
+    /// it must not be, or NaN; [`FlowError::Number`] for the time step, gravity, and the slope of an outlet;
+    /// [`FlowError::NoEdge`] for an outlet or an inflow that chooses no edge.
     #[doc(alias = "integrate")]
     #[doc(alias = "solve")]
     #[doc(alias = "dt")]
@@ -255,10 +266,13 @@ impl Flow {
         if let Resistance::DarcyWeisbach { gravity } = self.resistance {
             number("gravity", gravity, gravity > 0.0, "a positive number")?;
         }
-        checked("the terrain at vertex", &self.terrain, f64::NEG_INFINITY, "a finite height")?;
-        checked("depth at vertex", &depth, 0.0, AT_LEAST_ZERO)?;
-        checked("friction of triangle", &self.friction, f64::MIN_POSITIVE, "a positive coefficient")?;
-        checked("infiltration at vertex", &self.rates, 0.0, AT_LEAST_ZERO)?;
+        checked("the terrain at vertex", &self.terrain, 0.0, f64::NEG_INFINITY, "a finite height")?;
+        checked("depth at vertex", &depth, 0.0, 0.0, AT_LEAST_ZERO)?;
+        checked("friction of triangle", &self.friction, 0.0, f64::MIN_POSITIVE, "a positive coefficient")?;
+        checked("infiltration at vertex", &self.rates, 0.0, 0.0, AT_LEAST_ZERO)?;
+        if let Some(what) = self.nowhere {
+            return Err(FlowError::NoEdge { what, edges: self.mesh.boundary().len() });
+        }
         for &(edge, slope, half) in &self.open {
             number("the slope of an outlet", slope, slope >= 0.0, AT_LEAST_ZERO)?;
             let conduct = half * self.mobility(self.mesh.at_boundary()[edge] as usize) * slope.sqrt();
@@ -272,9 +286,16 @@ impl Flow {
 
 const AT_LEAST_ZERO: &str = "a finite number that is not negative";
 
-fn checked(what: &'static str, numbers: &[f64], least: f64, expected: &'static str) -> Result<(), FlowError> {
+/// An error unless the numbers, of this time, are finite and not below the least one.
+pub(crate) fn checked(
+    what: &'static str,
+    numbers: &[f64],
+    time: f64,
+    least: f64,
+    expected: &'static str,
+) -> Result<(), FlowError> {
     match numbers.iter().position(|&x| !x.is_finite() || x < least) {
-        Some(place) => Err(FlowError::Given { what, place, time: 0.0, found: numbers[place], expected }),
+        Some(place) => Err(FlowError::Given { what, place, time, found: numbers[place], expected }),
         None => Ok(()),
     }
 }

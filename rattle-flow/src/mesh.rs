@@ -1,6 +1,6 @@
 //! Meshes of triangles in the plane.
 
-use crate::error::MeshError;
+use crate::error::{FlowError, MeshError};
 use std::collections::HashMap;
 
 /// A mesh of triangles that meet edge to edge; checked when it is made.
@@ -143,11 +143,17 @@ impl Mesh {
     }
     /// The volume ∫ h of depths at the vertices, linear between them.
     ///
-    /// # Panics
-    /// If the number of depths is not the number of vertices.
-    #[track_caller]
-    pub fn volume(&self, depth: &[f64]) -> f64 {
-        assert_eq!(depth.len(), self.points.len(), "one depth for each vertex");
+    /// # Errors
+    /// [`FlowError::Count`] if the number of depths is not the number of vertices.
+    pub fn volume(&self, depth: &[f64]) -> Result<f64, FlowError> {
+        let (found, expected) = (depth.len(), self.points.len());
+        if found != expected {
+            return Err(FlowError::Count { what: "depth", found, expected });
+        }
+        Ok(self.volume_of(depth))
+    }
+    /// The volume of one depth for each vertex.
+    pub(crate) fn volume_of(&self, depth: &[f64]) -> f64 {
         depth.iter().zip(&self.shares).map(|(h, share)| h * share).sum()
     }
     /// The values of a function at the vertices.

@@ -1,6 +1,7 @@
 //! A web page in one file that shows water moving over the ground.
 
-use crate::flow::Flow;
+use crate::error::FlowError;
+use crate::flow::{Flow, checked, number};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use std::fmt::Write;
 
@@ -14,7 +15,7 @@ use std::fmt::Write;
 /// let mut page = Page::new("A dam breaks", simulation.flow());
 /// for _ in 0..10 {
 ///     simulation.step()?;
-///     page.add(simulation.time(), simulation.depth());
+///     page.add(simulation.time(), simulation.depth())?;
 /// }
 /// let html = page.caption("A second of it.").units("m", "s").to_html();
 /// assert!(html.contains("A dam breaks") && !html.contains("http"));
@@ -52,13 +53,19 @@ impl Page {
 
     /// Adds the depth at the vertices at a time.
     ///
-    /// # Panics
-    /// If the number of depths is not the number of vertices.
-    #[track_caller]
-    pub fn add(&mut self, time: f64, depth: &[f64]) {
-        assert_eq!(depth.len(), self.points.len(), "one depth for each vertex");
+    /// # Errors
+    /// [`FlowError::Count`] if the number of depths is not the number of vertices; [`FlowError::Number`] for a time and
+    /// [`FlowError::Given`] for a depth that is not finite. The page is then as it was.
+    pub fn add(&mut self, time: f64, depth: &[f64]) -> Result<(), FlowError> {
+        let (found, expected) = (depth.len(), self.points.len());
+        if found != expected {
+            return Err(FlowError::Count { what: "depth", found, expected });
+        }
+        number("the time on a page", time, true, "a finite number")?;
+        checked("depth at vertex", depth, time, f64::NEG_INFINITY, "a finite number")?;
         self.times.push(time);
         self.depths.extend_from_slice(depth);
+        Ok(())
     }
 
     /// A sentence or two under the title.

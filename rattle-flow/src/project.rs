@@ -18,8 +18,8 @@ impl Mesh {
     /// let mesh = Mesh::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 0.2)?;
     /// let linear = mesh.projected(|[x, y]| x - 2.0 * y);
     /// assert!(mesh.points().iter().zip(&linear).all(|([x, y], h)| (h - (x - 2.0 * y)).abs() < 1e-2));
-    /// assert!((mesh.volume(&linear) + 0.5).abs() < 1e-13);
-    /// # Ok::<(), rattle_flow::MeshError>(())
+    /// assert!((mesh.volume(&linear)? + 0.5).abs() < 1e-13);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn projected(&self, f: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
         let mut matrix = Sparse::of_groups(self.points().len(), self.triangles().iter().copied());

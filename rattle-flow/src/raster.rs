@@ -73,6 +73,9 @@ impl Raster {
         let (x, of_x) = x.ok_or(ReadError::Missing { section: "xllcorner" })?;
         let (y, of_y) = y.ok_or(ReadError::Missing { section: "yllcorner" })?;
         let count = columns.checked_mul(rows).filter(|_| cell > 0.0 && cell.is_finite());
+        if columns == 0 || rows == 0 {
+            return Err(words.wrong("one column and one row at least", "none"));
+        }
         let Some(count) = count.filter(|count| *count <= text.len()) else {
             return Err(words.wrong("a size with as many cells as there are heights", "a larger one"));
         };

@@ -32,7 +32,7 @@ pub struct Simulation<M> {
 impl<M: Method> Simulation<M> {
     pub(crate) fn new(flow: Flow, depth: Vec<f64>, step: f64, method: M) -> Result<Self, FlowError> {
         number("the time step", step, step > 0.0, "a positive number")?;
-        let volume = flow.mesh.volume(&depth);
+        let volume = flow.mesh.volume_of(&depth);
         let n = depth.len();
         Ok(Simulation {
             flow,
@@ -186,7 +186,7 @@ impl<M: Method> Simulation<M> {
         self.earlier_step = step;
         self.time += step;
         self.budget.add(&info.booked);
-        self.budget.now = self.flow.mesh.volume(&self.depth);
+        self.budget.now = self.flow.mesh.volume_of(&self.depth);
         self.iterations += info.iterations;
         self.steps += 1;
     }

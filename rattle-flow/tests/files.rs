@@ -108,6 +108,12 @@ fn a_raster_is_a_terrain_and_a_mesh() {
     ));
     assert_eq!(line(&(text.clone() + "1.0\n")), 12);
     assert!(line(&text.replace("nrows 5", "nrows 50000000")) > 0);
+    for empty in ["ncols 0\nnrows 2", "ncols 2\nnrows 0", "ncols 0\nnrows 0"] {
+        let empty = format!("{empty}\nxllcorner 0\nyllcorner 0\ncellsize 1\n");
+        for text in [empty.clone() + "1\n", empty] {
+            assert!(Raster::parse(&text).is_err(), "{text}");
+        }
+    }
 
     // Terrain with a hole in it: the vertex is named before anything flows.
     let square =

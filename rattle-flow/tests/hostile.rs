@@ -202,6 +202,7 @@ fn lakes_that_do_not_touch_keep_their_own() {
                         .map(|(&p, h)| if lake(p) == i { *h } else { 0.0 })
                         .collect::<Vec<_>>(),
                 )
+                .unwrap()
             };
             [0, 1, 2, 3].map(own)
         };

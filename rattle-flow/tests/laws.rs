@@ -8,7 +8,7 @@
 mod exact;
 
 use exact::{UNIT, barenblatt, error, strip, wave};
-use rattle_flow::{Flow, FlowError, Mesh, Resistance};
+use rattle_flow::{Flow, FlowError, Mesh, Page, Resistance};
 
 fn order(errors: &[f64]) -> f64 {
     let last = errors.len() - 1;
@@ -22,7 +22,7 @@ fn linear_depth_has_its_volume() {
     let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
     let mesh = Mesh::polygon(&corners, 0.17).unwrap();
     for (constant, x, y) in [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (2.0, 0.3, -0.7)] {
-        let volume = mesh.volume(&mesh.at_vertices(|place| constant + x * place[0] + y * place[1]));
+        let volume = mesh.volume(&mesh.at_vertices(|place| constant + x * place[0] + y * place[1])).unwrap();
         let exact = 3.0 * constant + 2.5 * (x + y);
         assert!((volume - exact).abs() < 1e-13, "{volume} {exact}"); // sums over some 150 vertices
     }
@@ -122,6 +122,24 @@ fn uniform_flow_is_exact() {
         assert!((simulation.mean_flux() - discharge).abs() < 1e-13);
         assert!((simulation.budget().outflow - 10.0 * 0.1 * discharge).abs() < 1e-14);
     }
+}
+
+/// The later slope is that of the edge, and the sum of inflows enters.
+#[test]
+fn an_edge_that_is_chosen_twice_is_open_once() {
+    let (slope, h) = (0.04_f64, 0.3_f64);
+    let mesh = strip(20, 2.0);
+    let depth = vec![h; mesh.points().len()];
+    let discharge = h.powf(1.5) * slope.sqrt();
+    let flow = Flow::over(mesh, UNIT)
+        .terrain(move |[x, _]| -slope * x)
+        .inflow(move |_, _| 0.25 * discharge, |[x, _]| x < 1e-9)
+        .inflow(move |_, _| 0.75 * discharge, |[x, _]| x < 1e-9)
+        .outlet(3.0, |[x, _]| x > 2.0 - 1e-9)
+        .outlet(slope, |[x, _]| x > 2.0 - 1e-9);
+    let mut simulation = flow.simulate(depth, 0.5).unwrap();
+    simulation.run(20).unwrap();
+    assert!(simulation.depth().iter().all(|d| (d - h).abs() < 1e-13), "{:?}", simulation.depth());
 }
 
 /// Friction is that at the outlet, whenever it is given: the lower half has four times as much, and is as much steeper.
@@ -262,6 +280,19 @@ fn what_is_wrong_is_named() {
         let error = start(flow().outlet(slope, |_| true), &depth, 0.1);
         assert!(matches!(error, FlowError::Number { what: "the slope of an outlet", .. }), "{error}");
     }
+    let nowhere = start(flow().outlet(0.1, |[x, _]| x > 3.0), &depth, 0.1);
+    assert!(matches!(nowhere, FlowError::NoEdge { what: "an outlet", edges: 16 }), "{nowhere}");
+    let nowhere = start(flow().inflow(|_, _| 1.0, |_| false), &depth, 0.1);
+    assert!(nowhere.to_string().starts_with("an inflow chooses none of the 16 edges"), "{nowhere}");
+    assert!(matches!(mesh.volume(&depth[1..]), Err(FlowError::Count { what: "depth", .. })));
+    let mut page = Page::new("Nothing", &flow());
+    assert!(matches!(page.add(0.0, &depth[1..]), Err(FlowError::Count { .. })));
+    let mut hole = depth.clone();
+    hole[3] = f64::NAN;
+    let error = page.add(2.0, &hole).unwrap_err().to_string();
+    assert!(error.starts_with("depth at vertex 3 is NaN at time 2"), "{error}");
+    assert!(matches!(page.add(f64::NAN, &depth), Err(FlowError::Number { .. })));
+    assert!(page.add(0.0, &depth).is_ok());
     for gravity in [0.0, -9.81, f64::NAN, f64::INFINITY] {
         let error = start(Flow::over(mesh.clone(), Resistance::DarcyWeisbach { gravity }), &depth, 0.1);
         assert!(matches!(error, FlowError::Number { what: "gravity", .. }), "{error}");

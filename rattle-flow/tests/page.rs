@@ -38,10 +38,10 @@ fn a_browser_plays_the_dam_break() {
     let depth = dam_break::depth(&mesh);
     let mut simulation = dam_break::flow(mesh).simulate(depth, 1.0 / 16.0).unwrap();
     let mut film = Page::new("A dam breaks & <water> runs", simulation.flow());
-    film.add(0.0, simulation.depth());
+    film.add(0.0, simulation.depth()).unwrap();
     for _ in 0..60 {
         simulation.run(4).unwrap();
-        film.add(simulation.time(), simulation.depth());
+        film.add(simulation.time(), simulation.depth()).unwrap();
     }
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("dam.html");

@@ -19,7 +19,7 @@ fn the_error_follows_the_tolerance() {
     let runs = [1.6e-3, 4e-4, 1e-4].map(until);
     let errors = runs.each_ref().map(|(depth, _)| {
         let difference: Vec<f64> = depth.iter().zip(&exact).map(|(a, b)| (a - b).abs()).collect();
-        mesh.volume(&difference) / mesh.volume(&exact)
+        mesh.volume(&difference).unwrap() / mesh.volume(&exact).unwrap()
     });
     let steps = runs.map(|(_, steps)| steps);
     for i in 0..2 {

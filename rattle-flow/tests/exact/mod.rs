@@ -23,7 +23,7 @@ pub(crate) fn error(
     let mesh = simulation.flow().mesh();
     let exact = mesh.at_vertices(exact);
     let difference: Vec<f64> = simulation.depth().iter().zip(&exact).map(|(h, e)| (h - e).abs()).collect();
-    mesh.volume(&difference) / mesh.volume(&exact)
+    mesh.volume(&difference).unwrap() / mesh.volume(&exact).unwrap()
 }
 
 /// Depth of the spreading drop of Barenblatt in N dimensions, hᵅ √|∇h| with α = power, c = 1; ξ₀ = 0.4.
