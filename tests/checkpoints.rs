@@ -9,6 +9,7 @@ use rattle::checkpoint::{
 };
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::effect::{HardSpheres, Langevin, LinearDrag, SelfPropulsion};
+use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::potentials::LennardJones;
 use rattle::prelude::*;
 use std::fs;
@@ -18,6 +19,12 @@ potential! {
     /// Weight that comes and goes.
     struct Tide { g, w }
     |_x, _y, z, t| g * sin(w * t) * z
+}
+
+potential! {
+    /// A weight on the third axis.
+    struct Heavy { weight }
+    |q: [[f64; 3]; 3]| weight * q[2][2]
 }
 
 /// The bytes of all that is kept.
@@ -217,6 +224,62 @@ fn another_run_is_refused_by_name() {
     refused(&lanes(70), lanes(71), "written by one of 70 trajectories");
     refused(&lanes(70), scene(r, 2.0).ensemble(starts(70), Rattle::new(h)).unwrap(), "(effect 0)");
     refused(&lanes(70), same.ensemble(starts(70), Rattle::new(0.02)).unwrap(), "(method)");
+}
+
+phase_constraint! {
+    /// The three-sphere.
+    struct Hopf {}
+    |q: [f64; 2], p: [f64; 2]| dot(q, q) + dot(p, p) - 1
+}
+
+hamiltonian! {
+    /// A charge that falls.
+    struct Charge { b, g }
+    |q: [f64; 2], p: [f64; 2]| ((p[0] + b * q[1])^2 + (p[1] - b * q[0])^2) / 2 + g * q[1]
+}
+
+/// What lanes that are run by (g, h) say to the checkpoint of others: the step is told as the method, and g as this
+/// part. Momenta are ahead in lanes, by what depends on both.
+fn lanes_refused<const D: usize>(begin: impl Fn(f64, f64) -> Ensemble<D>, part: &str) {
+    let run = |g: f64, h: f64| {
+        let mut ensemble = begin(g, h);
+        ensemble.run(10);
+        assert!(ensemble.plan().in_lanes > 0, "{:?}", ensemble.plan());
+        ensemble
+    };
+    let file = run(1.0, 0.01);
+    refused(&file, run(1.0, 0.02), "run (method)");
+    refused(&file, run(1.1, 0.01), part);
+    let mut same = begin(1.0, 0.01);
+    same.resume(&file.checkpoint()).unwrap();
+    assert!(bytes(&same) == bytes(&file));
+}
+
+#[test]
+fn lanes_name_the_part_that_differs() {
+    let on = |g| Scene::on(SURFACE).with(Gravity { g });
+    lanes_refused(|g, h| on(g).ensemble(starts(3), Rattle::new(h)).unwrap(), "run (effect 0)");
+    let bath = |g| on(g).with(Langevin { friction: 0.4, temperature: 0.5, seed: 3 });
+    lanes_refused(|g, h| bath(g).ensemble(starts(3), Rattle::new(h)).unwrap(), "run (effect 0)");
+    let chain = |g| {
+        let chain = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]).pin(0, [0.0; 2]);
+        chain.with(PlanarGravity { g })
+    };
+    let hanging = || vec![double_pendulum(); 3];
+    lanes_refused(|g, h| chain(g).ensemble(hanging(), Rattle::new(h)).unwrap(), "run (effect 0)");
+    lanes_refused(|g, h| chain(g).ensemble(hanging(), Dop853::new(h)).unwrap(), "run (effect 0)");
+    let top = |g| Scene::rigid(Rigid::new([0.6, 0.8, 1.0])).with(Heavy { weight: g });
+    let turning = || vec![Rigid::start(&Matrix3::identity(), &Vector3::new(0.3, 0.2, 1.0)); 3];
+    lanes_refused(|g, h| top(g).ensemble(turning(), Rattle::new(h)).unwrap(), "run (effect 0)");
+    lanes_refused(|g, h| top(g).ensemble(turning(), Dop853::new(h)).unwrap(), "run (effect 0)");
+    let charge = |g| Scene::in_phase_space(Hopf {}, Charge { b: 0.2, g });
+    let begin = |g, h| {
+        let place = charge(g).project(&State::at([-0.55, -0.83]).moving([0.03, 0.02])).unwrap();
+        charge(g).ensemble(vec![place; 3], Rattle::new(h)).unwrap()
+    };
+    lanes_refused(begin, "run (kinetic energy)");
+    let heavy = |m: f64| chain(1.0).masses([1.0, 1.0, m]);
+    lanes_refused(|m, h| heavy(m).ensemble(hanging(), Rattle::new(h)).unwrap(), "run (masses)");
 }
 
 /// A small checkpoint of everything that there is.

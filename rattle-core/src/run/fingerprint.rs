@@ -80,6 +80,23 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     marks
 }
 
+/// As [`of_system`], of a lane. Momenta are ahead there by what its laws and its step make of them: they count for
+/// nothing, so that it is not the masses that seem to differ where other laws do. Nor are those of phase space asked
+/// before H, which decides there what velocities are.
+pub(in crate::run) fn of_lane<Y: System<f64, D>, const D: usize>(
+    system: &Y,
+    places: &[Body<f64, D>],
+) -> Vec<Hallmark> {
+    let zero = [0.0; D];
+    let places = places.iter().map(|body| Body { p: zero, p_low: zero, ..*body }).collect::<Vec<_>>();
+    let mut marks = of_system(system, &places, 0.0);
+    if system.rates().is_err() {
+        let masses = marks.remove(1);
+        marks.insert(2, masses);
+    }
+    marks
+}
+
 /// An effect of which the type has this name, and what it gives alone.
 pub(in crate::run) fn of_effect(number: usize, name: Option<&str>, forces: Vec<f64>) -> Hallmark {
     Hallmark::new(format!("effect {number}"), short_name(name.unwrap_or("no potential")), forces)

@@ -24,7 +24,7 @@ use crate::run::ensemble::linked_stirring::RowStirring;
 use crate::run::ensemble::renewed_lanes;
 use crate::run::ensemble::splitting_lanes::{Splits, StirredAlone, by_itself};
 use crate::run::ensemble::stirred::LARGER;
-use crate::run::fingerprint::of_system;
+use crate::run::fingerprint::of_lane;
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
 use crate::systems::network::in_lanes::{Numbers, zeros};
@@ -459,7 +459,7 @@ where
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        of_system(self.system(lane), bodies, 0.0)
+        of_lane(self.system(lane), bodies)
     }
 
     fn method(&self) -> Hallmark {

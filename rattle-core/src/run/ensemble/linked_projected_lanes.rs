@@ -23,7 +23,7 @@ use crate::run::ensemble::linked_plan::LinkedPlan;
 use crate::run::ensemble::linked_projected::{Desk, ProjectedSteps};
 use crate::run::ensemble::linked_projected_row::{Kept, Landed};
 use crate::run::ensemble::linked_row::{Course, LinkedRow};
-use crate::run::fingerprint::of_system;
+use crate::run::fingerprint::of_lane;
 use crate::solve::crowd::Asked;
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
@@ -236,7 +236,7 @@ where
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        of_system(self.system(lane), bodies, 0.0)
+        of_lane(self.system(lane), bodies)
     }
 
     fn method(&self) -> Hallmark {

@@ -14,7 +14,7 @@ use crate::run::ensemble::lane_record::InRows;
 use crate::run::ensemble::phase_row::{Laws, ROW, Row, Swept};
 use crate::run::ensemble::phase_step::{Scratch, step};
 use crate::run::ensemble::splitting_lanes::{by_itself, hallmark};
-use crate::run::fingerprint::of_system;
+use crate::run::fingerprint::of_lane;
 use crate::solve::aim::Pace;
 use crate::systems::phase::InPhaseSpace;
 use std::any::Any;
@@ -174,7 +174,7 @@ where
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        of_system(self.system(lane), bodies, 0.0)
+        of_lane(self.system(lane), bodies)
     }
 
     fn method(&self) -> Hallmark {

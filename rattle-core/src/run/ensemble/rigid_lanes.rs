@@ -18,7 +18,7 @@ use crate::run::ensemble::rigid_law::RigidLaws;
 use crate::run::ensemble::rigid_row::{Course, RigidRow, Rotor, Steps, Three, Weights, push};
 use crate::run::ensemble::rigid_stirring::{Question, RotorStirring, StirredSteps, answer};
 use crate::run::ensemble::splitting_lanes::{Splits, StirredAlone, by_itself};
-use crate::run::fingerprint::of_system;
+use crate::run::fingerprint::of_lane;
 use crate::systems::network::in_lanes::{at, put, zeros};
 use std::any::Any;
 use std::array::from_fn;
@@ -305,7 +305,7 @@ where
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        of_system(self.system(lane), bodies, 0.0)
+        of_lane(self.system(lane), bodies)
     }
 
     fn method(&self) -> Hallmark {

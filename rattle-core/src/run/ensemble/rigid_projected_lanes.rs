@@ -22,7 +22,7 @@ use crate::run::ensemble::rigid_going::project;
 use crate::run::ensemble::rigid_law::RigidLaws;
 use crate::run::ensemble::rigid_projected::{COORDINATES, Desk, ProjectedSteps, ROW};
 use crate::run::ensemble::rigid_row::{Nine, RigidRow};
-use crate::run::fingerprint::of_system;
+use crate::run::fingerprint::of_lane;
 use crate::systems::network::in_lanes::{Numbers, zeros};
 use std::any::Any;
 use std::array::from_fn;
@@ -205,7 +205,7 @@ impl<Y: System<f64, D>, const D: usize> Engine<D> for RigidProjected<Y, D> {
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        of_system(self.system(lane), bodies, 0.0)
+        of_lane(self.system(lane), bodies)
     }
 
     fn method(&self) -> Hallmark {

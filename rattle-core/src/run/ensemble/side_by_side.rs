@@ -328,15 +328,15 @@ impl<const D: usize> SideBySide<D> {
     fn hallmarks(&self) -> Vec<Hallmark> {
         let mut marks: Vec<Hallmark> = Vec::new();
         for lane in (0..self.engine.width()).filter(|&lane| self.moving[lane] && self.copy_of[lane] == lane) {
-            let mut own = self.engine.hallmarks(lane, &self.bodies_in(lane));
-            own.push(self.engine.method());
+            let own = self.engine.hallmarks(lane, &self.bodies_in(lane));
             if marks.is_empty() {
                 marks = own;
             } else {
-                let all = marks.iter_mut().zip(own).filter(|(all, _)| all.part != "method");
-                all.for_each(|(all, own)| all.numbers.extend(own.numbers));
+                marks.iter_mut().zip(own).for_each(|(all, own)| all.numbers.extend(own.numbers));
             }
         }
+        // First: what flows do, and where lanes are, is of its steps.
+        marks.insert(0, self.engine.method());
         marks
     }
 
