@@ -228,6 +228,35 @@ fn who_cannot_go_on_says_why() {
     assert!([too_long, over_the_ridge].as_flattened().iter().all(|&number| number > 5));
 }
 
+constraint! {
+    /// A cube.
+    struct Cube { r }
+    |x, y, z| max(abs(x), max(abs(y), abs(z))) - r
+}
+
+/// Beyond an edge of a cube normals are across the old one, and no correction is a number: it is the edge that is told.
+#[test]
+fn edges_of_a_cube_are_told() {
+    let scene = Scene::on(Cube { r: 1.0 });
+    let by = Brownian::new(1.0, 1.0, 3, 5e-4);
+    let begin = |i: u64| State::at([0.03 * i as f64 - 0.5, 0.2, 1.0]).numbered(i);
+    let mut ensemble = scene.ensemble((0..32).map(begin), by).unwrap();
+    in_lanes(&ensemble);
+    ensemble.run(2000);
+    let mut ended = 0;
+    for i in 0..32 {
+        let mut alone = scene.simulate(begin(i), by).unwrap();
+        let (own, told) = (alone.run(2000).err(), ensemble.failure(i as usize));
+        assert_eq!(own.as_ref().map(words), told.map(words), "{i}");
+        if let Some(error) = told {
+            assert!(matches!(error, Error::Step { cause: StepFailure::Kink { .. }, .. }), "{i}: {error}");
+            ended += 1;
+        }
+    }
+    println!("{ended} of 32 came to an edge");
+    assert!(ended > 5, "{ended}");
+}
+
 potential! {
     /// A force that has no value below a height, and pushes there.
     pub(crate) struct Ending { g }

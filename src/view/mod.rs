@@ -27,4 +27,4 @@ pub use error::PageError;
 pub use mesh::{Mesh, MeshError, surface};
 pub use page::Page;
 pub use parts::End;
-pub use scene::Scene3;
+pub use scene::{Place, Scene3};

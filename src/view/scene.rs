@@ -8,6 +8,24 @@ use crate::Trajectory;
 /// Of numbers that may change with time.
 pub(super) const TIMES: [&str; 2] = ["time (or one)", "times (or one)"];
 
+/// A place in space: an array, or a vector of `nalgebra`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no place in space",
+    label = "a place is an array of three numbers, or a vector of `nalgebra`",
+    note = "places are listed body by body: `&[[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]]` is one body at two times"
+)]
+pub trait Place: Copy {
+    /// Its coordinates.
+    fn place(self) -> [f64; 3];
+}
+
+#[diagnostic::do_not_recommend]
+impl<X: Copy + Into<[f64; 3]>> Place for X {
+    fn place(self) -> [f64; 3] {
+        self.into()
+    }
+}
+
 /// A scene of a [`Page`](super::Page): bodies, and the surface on which they move, if any.
 #[derive(Clone, Debug)]
 pub struct Scene3 {
@@ -142,11 +160,11 @@ impl Scene3 {
     pub fn bodies<P, Q>(mut self, times: &[f64], positions: &[P]) -> Self
     where
         P: AsRef<[Q]>,
-        Q: Copy + Into<[f64; 3]>,
+        Q: Place,
     {
         self.times = times.to_vec();
         self.positions =
-            positions.iter().map(|path| path.as_ref().iter().map(|&point| point.into()).collect()).collect();
+            positions.iter().map(|path| path.as_ref().iter().map(|point| point.place()).collect()).collect();
         self
     }
 

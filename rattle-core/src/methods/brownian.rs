@@ -134,22 +134,49 @@ fn by_noise(mut failure: Failure) -> Failure {
     failure
 }
 
+/// Draws momenta along the constraints, by the noise of the bodies.
+#[inline(always)]
+fn draw<T: Scalar, Y: System<T, D>, const D: usize>(
+    Renewal { seed, deviation, .. }: Renewal,
+    h: f64,
+    system: &Y,
+    bodies: &mut BodiesOf<Y, T, D>,
+) -> Result<(), Failure> {
+    for body in 0..bodies.q.as_ref().len() {
+        let numbers = bodies.noise.normal(seed, body).map(|x: f64| T::from_f64(deviation * x));
+        bodies.p.as_mut()[body] = system.inertia().root(body, &numbers);
+        bodies.p_low.as_mut()[body] = [T::from_f64(0.0); D];
+    }
+    system.settle(0.0, h, bodies, &mut ())
+}
+
+/// Goes where the momenta that a [step](step) of h draws would lead without constraints and forces, in search of what
+/// is on the way.
+#[cold]
+#[inline(never)]
+pub(crate) fn coast<T: Scalar, Y: System<T, D>, const D: usize>(
+    renewal: Renewal,
+    h: f64,
+    system: &Y,
+    bodies: &mut BodiesOf<Y, T, D>,
+) {
+    if draw(renewal, h, system, bodies).is_ok() {
+        system.coast(h, bodies);
+    }
+}
+
 /// A step of h of a method that draws momenta anew.
 #[inline(always)]
 pub(crate) fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
-    Renewal { seed, deviation, kick }: Renewal,
+    renewal: Renewal,
     h: f64,
     system: &Y,
     bodies: &mut BodiesOf<Y, T, D>,
     witness: &mut W,
 ) -> Result<(), Failure> {
     let (work, zero) = (bodies.work, [T::from_f64(0.0); D]);
-    for body in 0..bodies.q.as_ref().len() {
-        let numbers = bodies.noise.normal(seed, body).map(|x: f64| T::from_f64(deviation * x));
-        bodies.p.as_mut()[body] = system.inertia().root(body, &numbers);
-        bodies.p_low.as_mut()[body] = zero;
-    }
-    system.settle(0.0, h, bodies, &mut ())?;
+    draw(renewal, h, system, bodies)?;
+    let kick = renewal.kick;
     if const { Y::FLOWS > 0 } {
         stir::take_note(Half::Before, 0.5 * h, system, bodies);
         stir::push(Half::Before, kick, system, bodies)?;

@@ -3,7 +3,7 @@
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::{EffectFailure, EquationAt, StepFailure};
+use crate::error::{EffectFailure, EquationAt, StepFailure, SurfaceFailure};
 use crate::kernel::kinks::Kink;
 use crate::number::real::Scalar;
 use crate::number::vector::dot;
@@ -23,6 +23,16 @@ impl Failure {
     pub(crate) fn of_kink(kink: Kink, body: usize, equation: Option<Box<EquationAt>>) -> Self {
         let Kink { argument, share, place: position, angle, gap, .. } = kink;
         Self { body, cause: StepFailure::Kink { argument, equation, position, share, angle, gap } }
+    }
+
+    /// Whether a kink on the way can be the reason: not where the reason is known.
+    pub(crate) fn may_be_of_a_kink(&self) -> bool {
+        !matches!(
+            self.cause,
+            StepFailure::Surface(SurfaceFailure::StepTooLong { .. } | SurfaceFailure::OutOfScale { .. })
+                | StepFailure::Rests { .. }
+                | StepFailure::NoWayApart { .. }
+        )
     }
 
     /// The same, told of a whole step: it is that of a `part` of it, which began after the share `from`.

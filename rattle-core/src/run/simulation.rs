@@ -1,8 +1,9 @@
 //! Simulations: a scene in motion.
 
 use crate::effect::noise::Noise;
-use crate::error::{Error, StepFailure, SurfaceFailure};
+use crate::error::Error;
 use crate::methods::able::{no_way_back, view};
+use crate::methods::brownian;
 use crate::motion::bodies::{Bodies, Saved};
 use crate::motion::course::check;
 use crate::motion::failure::Failure;
@@ -455,12 +456,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// Where bodies could not be moved for a reason that a kink can have, looks for one.
     fn explain(&mut self, trouble: &mut Trouble) {
         if let Trouble::Failed(failure) = trouble
-            && !matches!(
-                failure.cause,
-                StepFailure::Surface(SurfaceFailure::StepTooLong { .. } | SurfaceFailure::OutOfScale { .. })
-                    | StepFailure::Rests { .. }
-                    | StepFailure::NoWayApart { .. }
-            )
+            && failure.may_be_of_a_kink()
         {
             self.look_for_kinks(failure);
         }
@@ -469,7 +465,14 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// Where the bodies could not be moved, and a constraint has a kink on their way, the failure is that.
     fn look_for_kinks(&mut self, failure: &mut Failure) {
         let h = self.method.step_size();
-        self.system.coast(h, &mut self.bodies);
+        if const { S::RENEWS }
+            && let Some(renewal) = self.method.renewal()
+        {
+            self.bodies.noise = self.noise();
+            brownian::coast(renewal, h, &self.system, &mut self.bodies);
+        } else {
+            self.system.coast(h, &mut self.bodies);
+        }
         if let Err(kink) = self.system.check_kinks(&self.before, &self.bodies) {
             *failure = kink;
         }

@@ -52,7 +52,9 @@ pub enum NotInLanes {
     Flows,
     /// The bodies, or the constraints and links between them, have no form in lanes, or scenes of a sweep differ in
     /// more than parameters.
-    #[error("these bodies and constraints have no form in lanes")]
+    #[error(
+        "these bodies and constraints have no form in lanes, or the scenes of a sweep differ in more than parameters"
+    )]
     System,
 }
 

@@ -181,7 +181,15 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
         }
         bodies.noise = noise(number);
         let start = bodies.saved();
-        brownian::step(renewal, h, system, &mut bodies, &mut ())?;
+        if let Err(failure) = brownian::step(renewal, h, system, &mut bodies, &mut ()) {
+            if !failure.may_be_of_a_kink() {
+                return Err(failure);
+            }
+            system.put_back(&mut bodies, &start);
+            bodies.noise = noise(number);
+            brownian::coast(renewal, h, system, &mut bodies);
+            return Err(system.check_kinks(&start, &bodies).err().unwrap_or(failure)); // that, if there is one ahead
+        }
         system.check_kinks(&start, &bodies)?;
     }
     Ok((out_of_lanes(&bodies.all()), 0.0))
