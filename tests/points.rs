@@ -189,3 +189,18 @@ fn momenta_of_a_temperature() {
     let deviation = 0.7 * (2.0 / (5.0 * draws as f64)).sqrt();
     assert!((sum / draws as f64 - 0.7).abs() < 4.5 * deviation, "{}", sum / draws as f64);
 }
+
+/// Where a line is not in the box nothing is asked: in a flat one most of it. So a box that is larger along all sides
+/// takes more by the square of its size.
+#[test]
+fn lines_are_asked_in_the_box_alone() {
+    let asked = |[x, z]: [f64; 2]| {
+        let torus = Counted::new(Torus { major: 1.0, minor: 0.02 });
+        uniform(&torus, [-x, -x, -z], [x, x, z], 200, 3).unwrap();
+        torus.counts().values() as f64 / 200.0
+    };
+    let [tight, wide] = [[1.021, 0.021], [2.042, 0.042]].map(asked);
+    println!("{tight} evaluations a point in a tight box, {wide} in one twice as wide");
+    assert!(tight < 4000.0, "{tight}");
+    assert!(wide > 2.0 * tight && wide < 6.0 * tight, "{tight} {wide}");
+}

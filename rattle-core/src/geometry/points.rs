@@ -30,6 +30,10 @@ const CANDIDATES: usize = 10;
 /// Points on the surface g = 0 in the box from `low` to `high`, independent and uniform in area, the same for the same
 /// seed.
 ///
+/// The time is proportional to `number` times (size of the box)ᴰ⁻¹ / (area of the surface), which is the number of
+/// lines for a point; each of them takes up to 256 evaluations of g. So the box should fit the surface: one that is
+/// twice as wide takes four times as long in space, and finds thin sheets less well, since its cells are wider.
+///
 /// ```
 /// use rattle::prelude::*;
 /// use rattle::{curvature::points, surfaces::Sphere};
@@ -266,10 +270,13 @@ impl<K: ConstraintKernel<f64, D, 1>, const D: usize> Lines<K, D> {
                 meetings.push(q);
             }
         };
-        let mut before = (-half, both(-half));
-        for cell in 1..=cells {
-            let s = -half + 2.0 * half * (cell as f64 / cells as f64);
-            let now = (s, both(s));
+        let place = |cell: usize| -half + 2.0 * half * (cell as f64 / cells as f64);
+        let [first, last] = self.inside(&foot, &along).map(|s| (s + half) / (2.0 * half) * cells as f64);
+        // One cell more at either end, for rounding; a number that is NaN or negative is 0.
+        let (first, last) = (((first - 1.0) as usize).min(cells), ((last + 2.0) as usize).min(cells));
+        let mut before = (place(first), both(place(first)));
+        for cell in first + 1..=last {
+            let now = (place(cell), both(place(cell)));
             let ((from, [g, slope]), (to, [g2, slope2])) = (before, now);
             if (g < 0.0) != (g2 < 0.0) {
                 take(from, to);
@@ -284,6 +291,15 @@ impl<K: ConstraintKernel<f64, D, 1>, const D: usize> Lines<K, D> {
             before = now;
         }
         1.0 - chosen
+    }
+
+    /// From where to where a line is in the box; the first is the larger one where it is not.
+    fn inside(&self, foot: &[f64; D], along: &[f64; D]) -> [f64; 2] {
+        (0..D).fold([f64::NEG_INFINITY, f64::INFINITY], |[first, last], d| {
+            let ends = [self.low[d], self.high[d]].map(|end| (end - foot[d]) / along[d]);
+            // Of a line along this side both are infinite: of one sign where it is beyond the box.
+            [first.max(ends[0].min(ends[1])), last.min(ends[0].max(ends[1]))]
+        })
     }
 }
 
