@@ -201,3 +201,17 @@ fn sections_forget_the_jumps_of_a_run_that_failed() {
     free.observe(1, 1, &mut section).unwrap();
     assert!(section.crossings().is_empty(), "{:?}", section.crossings());
 }
+
+/// A ball's energy by differences of its places, which begin anew after each bounce.
+#[test]
+fn shadow_energies_begin_anew_after_impacts() {
+    let scene = Scene::point().with(Gravity { g: 1.0 });
+    let ball = scene.simulate(State::at([0.0, 0.0, 0.5]), Rattle::new(0.013)).unwrap();
+    let mut ball = ball.collide(Stop::above(Floor {})).unwrap();
+    let mut shadow = ShadowEnergy::new(4).unwrap();
+    ball.observe(300, 1, &mut shadow).unwrap(); // bounces at t = 1 and 3
+    assert_eq!(shadow.values().len(), 300 + 1 - 3 * 4); // three flights, each without its ends
+    // Differences of second order leave h² g²/24 beside U + p²/2 of Verlet; roundings are divided by h².
+    let expected = shadow.values()[0];
+    assert!((expected - 0.5).abs() < 1e-4 && shadow.values().iter().all(|e| (e - expected).abs() < 1e-11));
+}

@@ -66,8 +66,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 }
 
 /// Records the shadow energy E of a run, from positions alone. It must see every step: where steps are missing between
-/// two sights, or the trajectory changes, it begins again. (For an ensemble use one for each trajectory:
-/// [`Each`](crate::run::watch::Each).)
+/// two sights, the trajectory changes, or momenta [jump](Observer::jump), at impacts and edges, it begins again. (For
+/// an ensemble use one for each trajectory: [`Each`](crate::run::watch::Each).)
 ///
 /// ```
 /// # use rattle::{Rattle, Scene, watch::{Each, ShadowEnergy}, State};
@@ -91,6 +91,8 @@ pub struct ShadowEnergy<const D: usize> {
     form: Vec<Vec<f64>>,
     /// The last 2K + 1 steps.
     window: VecDeque<Place<D>>,
+    /// Whether momenta have jumped since the last sight.
+    jumped: bool,
     values: Vec<f64>,
 }
 
@@ -109,7 +111,8 @@ impl<const D: usize> ShadowEnergy<D> {
     /// # Errors
     /// [`Error::ShadowOrder`] for any other order.
     pub fn new(order: usize) -> Result<Self, Error> {
-        Ok(Self { form: quadratic_form(order)?, window: VecDeque::new(), values: Vec::new() })
+        let form = quadratic_form(order)?;
+        Ok(Self { form, window: VecDeque::new(), jumped: false, values: Vec::new() })
     }
 
     /// E at the steps that have K steps before and K after them.
@@ -137,9 +140,10 @@ impl<const D: usize> Observer<D> for ShadowEnergy<D> {
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
         let follows =
             |last: &Place<D>| last.trajectory == now.trajectory && last.step.checked_add(1) == Some(now.step);
-        if !self.window.back().is_some_and(follows) {
+        let smooth = !std::mem::take(&mut self.jumped);
+        if !(smooth && self.window.back().is_some_and(follows)) {
             self.window.clear();
-            if before.step.checked_add(1) == Some(now.step) {
+            if smooth && before.step.checked_add(1) == Some(now.step) {
                 self.place(before);
             }
         }
@@ -161,6 +165,14 @@ impl<const D: usize> Observer<D> for ShadowEnergy<D> {
             }
         }
         self.values.push(potential + kinetic);
+    }
+
+    fn sees_jumps(&self) -> bool {
+        true
+    }
+
+    fn jump(&mut self, _from: &Sight<'_, D>, _before: &Sight<'_, D>, _after: &Sight<'_, D>) {
+        self.jumped = true;
     }
 
     fn join(&mut self, next: Self) {
