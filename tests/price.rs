@@ -2,6 +2,7 @@
 //! chaos, and errors estimated are asked in `optimised/tests/price.rs`.
 
 mod common;
+mod estimates;
 #[path = "common/priced.rs"]
 #[allow(dead_code, reason = "each test uses its part")]
 mod priced;

@@ -117,6 +117,16 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
+    /// Has the contacts and edges of another simulation happen in the steps of this one, which has none yet.
+    pub(in crate::run) fn meet_what(&mut self, other: &Self) {
+        let Some(theirs) = &other.events else { return };
+        let Search { meetings, over_kinks, .. } = &theirs.search;
+        let (kinds, over_kinks) = (meetings.kinds.clone(), *over_kinks);
+        let own = &mut self.with_events().search;
+        own.meetings.rooms = vec![Vec::new(); kinds.len()];
+        (own.meetings.kinds, own.over_kinks) = (kinds, over_kinks);
+    }
+
     fn with_events(&mut self) -> &mut Events<Y, S, D> {
         let bodies = self.bodies();
         self.goes_again = true;
