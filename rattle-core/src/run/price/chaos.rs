@@ -48,7 +48,7 @@ impl Chaos {
         let mut length = duration.min(FURTHER * pilot.length);
         loop {
             let looks = (length / (STEP * pilot.longest)).clamp(8.0, LOOKS) as u64;
-            let part = Pilot { length, looks, ..*pilot };
+            let part = Pilot { length, looks, instants: 1, ..*pilot };
             let Ok((apart, way)) = part_ways(runner, &part) else { return Self::default() };
             let lost = apart.iter().position(|&d| d >= LOST * way).unwrap_or(apart.len());
             if (lost as f64) < FEWEST * looks as f64 && length > 8.0 * pilot.longest {
@@ -90,7 +90,8 @@ fn part_ways(runner: &Runner<'_>, part: &Pilot) -> Result<(Vec<f64>, f64), Stop>
     let steps = part.steps(STEP * part.longest);
     let rung = Rung { candidate: Candidate::Rattle, h: part.stretch() / steps as f64, tolerance: 0.0 };
     let first = runner.scene.begin(rung)?;
-    let start = Path { positions: vec![first.positions(); part.looks as usize], ..Path::default() };
+    let start =
+        Path { positions: vec![first.positions(); part.looks as usize], per_look: 1, ..Path::default() };
     let path = runner.go(part, steps, first)?;
     let beside = runner.scene.begin_beside(rung, ASIDE * path.largest_momentum)?;
     let beside = runner.go(part, steps, beside)?;

@@ -11,7 +11,7 @@ const REPEATS: usize = 5;
 const ALIKE: f64 = 0.01;
 /// A repeat takes so many seconds at least, by running several times.
 const SAMPLE: f64 = 1e-4;
-/// Between two looks, the energy is asked for so often.
+/// Between two instants, the energy is asked for so often.
 const GLANCES: u64 = 4;
 
 /// The pilot interval, and how it is looked at.
@@ -21,6 +21,8 @@ pub(super) struct Pilot {
     pub(super) length: f64,
     /// How many looks.
     pub(super) looks: u64,
+    /// Equal parts from look to look, at whose ends the reference is known: an even number, or 1.
+    pub(super) instants: u64,
     /// The longest step of RATTLE that was found to pass.
     pub(super) longest: f64,
     /// At how many of the looks positions are compared: at those before chaos makes them unknown.
@@ -33,14 +35,26 @@ impl Pilot {
         self.length / self.looks as f64
     }
 
-    /// The part of these numbers, one for each look, at which positions are compared.
+    /// The part of these numbers, as many for each look, at which positions are compared.
     pub(super) fn told<'a>(&self, numbers: &'a [f64]) -> &'a [f64] {
-        &numbers[..self.told.min(numbers.len())]
+        let each = numbers.len() / (self.looks as usize).max(1);
+        &numbers[..(self.told * each).min(numbers.len())]
     }
 
-    /// Steps from look to look for steps of about this size; at least one.
+    /// Steps from look to look for steps of at most this size, as [`at_instants`](Self::at_instants); at least one.
     pub(super) fn steps(&self, h: f64) -> u64 {
-        (self.stretch() / h).ceil().max(1.0) as u64
+        self.at_instants((self.stretch() / h).ceil().max(1.0) as u64)
+    }
+
+    /// At least so many steps from look to look, of which all end at instants; where there are more steps than
+    /// instants, so many that a step ends at every second instant, or at every one.
+    pub(super) fn at_instants(&self, least: u64) -> u64 {
+        if least <= self.instants {
+            return (least.max(1)..self.instants)
+                .find(|n| self.instants.is_multiple_of(*n))
+                .unwrap_or(self.instants);
+        }
+        least.checked_next_multiple_of(self.instants.div_ceil(2)).unwrap_or(least)
     }
 }
 
@@ -62,12 +76,17 @@ impl From<Error> for Stop {
 /// What was seen of a run.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Path {
-    /// Positions at each look.
+    /// Sights from look to look: at the ends of steps that are instants.
+    pub(super) per_look: u64,
+    /// Positions at each sight.
     pub(super) positions: Vec<Vec<f64>>,
-    /// The largest error of the energy up to each look.
+    /// The largest error of the energy up to each sight.
     pub(super) energy: Vec<f64>,
-    /// What is observed, at each look.
+    /// What is observed, at the start, and at each sight.
+    pub(super) first: Vec<f64>,
     pub(super) observed: Vec<Vec<f64>>,
+    /// Averages of what is observed, over all steps, by the trapezoidal rule.
+    pub(super) averages: Vec<f64>,
     pub(super) largest_momentum: f64,
     pub(super) kinetic: f64,
     pub(super) iterations: Option<u64>,
@@ -107,16 +126,22 @@ impl Runner<'_> {
         steps: u64,
         mut moving: Box<dyn Moving + '_>,
     ) -> Result<Path, Stop> {
-        let mut path = Path { kinetic: moving.kinetic_energy(), ..Path::default() };
-        let mut energy = 0.0_f64;
+        let per_look = gcd(steps, pilot.instants);
+        let mut path = Path { kinetic: moving.kinetic_energy(), per_look, ..Path::default() };
+        let (mut energy, first) = (0.0_f64, moving.observed());
+        let between = steps / per_look;
+        let at_once = if first.is_empty() { between.div_ceil(GLANCES) } else { 1 };
+        let mut sums: Vec<f64> = first.iter().map(|x| 0.5 * x).collect();
+        path.first = first;
         let begun = self.clock.now();
-        for _ in 0..pilot.looks {
-            let mut left = steps;
+        for _ in 0..pilot.looks * per_look {
+            let mut left = between;
             while left > 0 {
-                let part = left.min(steps.div_ceil(GLANCES));
+                let part = left.min(at_once);
                 moving.run(part)?;
                 left -= part;
                 energy = largest(energy, moving.energy_error().abs());
+                zip(&mut sums, moving.observed()).for_each(|(sum, x)| *sum += x);
                 self.look_at_clock()?;
             }
             path.energy.push(energy);
@@ -127,6 +152,8 @@ impl Runner<'_> {
         }
         path.seconds = self.clock.now() - begun;
         path.iterations = moving.iterations();
+        let (last, number) = (moving.observed(), (pilot.looks * steps) as f64);
+        path.averages = zip(sums, last).map(|(sum, last)| (sum - 0.5 * last) / number).collect();
         Ok(path)
     }
 
@@ -171,7 +198,12 @@ pub(super) fn largest(a: f64, b: f64) -> f64 {
     larger(b, a)
 }
 
-/// At each look, how far the body is that is farthest from where it is on the other path.
+/// The greatest common divisor of two numbers, one of them positive.
+fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+/// At each sight that both paths have, how far the body is that is farthest from where it is on the other path.
 pub(super) fn distances(a: &Path, b: &Path, dimension: usize) -> Vec<f64> {
     let at = |(a, b): (&Vec<f64>, &Vec<f64>)| {
         let bodies = zip(a.chunks(dimension), b.chunks(dimension));
@@ -180,5 +212,10 @@ pub(super) fn distances(a: &Path, b: &Path, dimension: usize) -> Vec<f64> {
             larger(square.sqrt(), most)
         })
     };
-    zip(&a.positions, &b.positions).map(at).collect()
+    let common = gcd(a.per_look, b.per_look);
+    let sights = |path: &'_ Path| (path.per_look / common).max(1) as usize;
+    let (mine, theirs) = (sights(a), sights(b));
+    let both =
+        zip(a.positions[mine - 1..].iter().step_by(mine), b.positions[theirs - 1..].iter().step_by(theirs));
+    both.map(at).collect()
 }

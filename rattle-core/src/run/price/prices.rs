@@ -70,14 +70,15 @@ impl Longer {
     }
 }
 
-/// The mean of an observable over the sampled times of the pilot interval.
+/// The time average of an observable over the pilot interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Average {
     /// The name of the observable.
     pub name: String,
-    /// The mean, by the reference.
+    /// The average, by the reference with steps so short that shorter ones do not change it, as far as the budget
+    /// allowed.
     pub mean: f64,
-    /// The uncertainty of a mean over so short a time, from means over eighths of it. Where motion is chaotic, no
+    /// The uncertainty of an average over so short a time, from means over eighths of it. Where motion is chaotic, no
     /// method is more exact.
     pub uncertainty: f64,
 }
@@ -91,12 +92,14 @@ pub struct Price {
     pub h: f64,
     /// The tolerance, of adaptive methods.
     pub tolerance: Option<f64>,
-    /// The largest error of position of any body, at the sampled times up to
-    /// [`positions_until`](Prices::positions_until); `None` if that is before the first sampled time.
+    /// The largest error of position of any body at the end of any step up to
+    /// [`positions_until`](Prices::positions_until), or at some thousand equal intervals where there are more steps;
+    /// `None` if that is before the first sampled time.
     pub position: Option<f64>,
-    /// The largest error of the energy, in its unit.
+    /// The largest error of the energy after any step, or after every n-th where there are many thousands; in its unit.
     pub energy: f64,
-    /// Errors of the averages, each in the unit of the observable.
+    /// Errors of the averages over the steps of the run, by the trapezoidal rule, each in the unit of the observable;
+    /// at least those to which the averages of the reference are known.
     pub averages: Vec<f64>,
     /// The exponents a with which the errors of position and of energy grew with time, like tᵃ.
     pub growth: [f64; 2],
@@ -133,6 +136,12 @@ pub(super) enum Quantity {
     Energy,
     /// The average of this number.
     Average(usize),
+}
+
+impl Quantity {
+    pub(super) fn is_average(self) -> bool {
+        matches!(self, Self::Average(_))
+    }
 }
 
 impl Price {

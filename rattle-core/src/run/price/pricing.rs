@@ -1,32 +1,34 @@
 //! The measurement: its settings, and series of step sizes for all methods.
 
-use crate::effect::interval::Rule;
 use crate::effect::list::Effects;
-use crate::effect::list::Forces;
 use crate::error::{Error, PriceMistake};
 use crate::methods::rattle::Rattle;
-use crate::motion::affected::Affected;
 use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
-use crate::motion::parts::Parts;
 use crate::motion::state::State;
+use crate::motion::stir::random;
 use crate::run::boxed::BoxedSimulation;
 use crate::run::price::beside::{Beside, ensemble};
 use crate::run::price::candidate::Candidate;
 use crate::run::price::chaos::Chaos;
 use crate::run::price::clock::Clock;
-use crate::run::price::ladder::{Pilot, Runner, Stop, distances};
+use crate::run::price::ladder::{Pilot, Runner, Stop, distances, largest};
 use crate::run::price::moving::{Movable, Rung};
 use crate::run::price::prices::{Average, Longer, Price, Prices, Quantity, Refused};
-use crate::run::price::reference::{Reference, averages, most, pilot, runner_size};
+use crate::run::price::reference::{Reference, most, pilot, runner_size};
 use crate::run::price::set::{Observed, Set};
 use crate::scene::Scene;
 use std::iter::zip;
 
 /// Seconds that measuring takes at most, if nothing is said.
 const BUDGET: f64 = 1.0;
-/// Rungs of a ladder: each has at least √2 times as many steps as the one before, or a tenth of its tolerance.
+/// Rungs of a ladder: each has at least so many times as many steps as the one before, a number that the instants of
+/// the reference allow (√2 times as many on average), or a tenth of its tolerance.
 const RUNGS: usize = 48;
+const FINER: f64 = 1.25;
+/// Where an average is aimed at: so many times as many, at most, and somewhat more than its error lets expect.
+const FARTHEST: f64 = 16.0;
+const AMPLY: f64 = 1.1;
 /// The pilot is as long as this part of the budget lets RATTLE run with its longest step: finer steps take a thousand
 /// times as long.
 const SHARE: f64 = 1e-3;
@@ -41,6 +43,10 @@ const ENOUGH: usize = 2;
 const DEARER: usize = 3;
 /// There, a method may take a third of what is left: the next ones are cut short by what it finds.
 const SHARERS_OF_AIM: usize = 3;
+/// Of what is left of the budget, what averages of the reference may take; and to what part of the error that is aimed
+/// at they are to be known.
+const FOR_AVERAGES: f64 = 0.15;
+const KNOWN: f64 = 0.02;
 /// A row whose bodies are off by this part of their way says nothing.
 const USELESS: f64 = 0.3;
 
@@ -99,7 +105,9 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
         self
     }
 
-    /// Also measures errors of the time average of `what`, a function of the state.
+    /// Also measures errors of the time average of `what`, a function of the state: how far the average over the steps
+    /// of a run, by the trapezoidal rule as [`Mean::over_time`](crate::run::watch::mean::Mean::over_time) takes it, is
+    /// off the exact average over the same time. So steps that are too few for the average count as an error of it.
     pub fn observe(
         mut self,
         name: impl Into<String>,
@@ -169,10 +177,8 @@ pub(super) fn refuse_random<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>
 ) -> Result<(), Error> {
     positive("duration", duration)?;
     let system = scene.ready(start, &Rattle::new(duration))?;
-    let flows =
-        (0..<C::System<E, N> as Affected<f64, D>>::FLOWS).map(|number| system.effects().manner(number));
-    match flows.into_iter().find(|(manner, _)| manner.rule == Rule::Random) {
-        Some((_, effect)) => Err(Error::Price(PriceMistake::Random { effect })),
+    match random(&system) {
+        Some(effect) => Err(Error::Price(PriceMistake::Random { effect })),
         None => Ok(()),
     }
 }
@@ -208,6 +214,20 @@ struct Climb<'a> {
 }
 
 impl Climb<'_> {
+    fn is_for_average(&self) -> bool {
+        self.aim.is_some_and(|(aim, _)| aim.what.is_average())
+    }
+
+    /// How many times as many steps the rung after this row has. The error of an average falls like h², so that fewer
+    /// rungs lead to what is aimed at.
+    fn finer(&self, row: Option<&Price>) -> f64 {
+        let Some(((aim, longer), row)) = self.aim.zip(row).filter(|_| self.is_for_average()) else {
+            return FINER;
+        };
+        let error = row.error(aim.what).unwrap_or(0.0) * longer.grown(row, aim.what);
+        (AMPLY * (error / aim.error).sqrt()).clamp(FINER, FARTHEST)
+    }
+
     fn is_enough(&self, row: &Price) -> bool {
         self.aim.is_some_and(|(aim, longer)| {
             row.error(aim.what).is_some_and(|error| error * longer.grown(row, aim.what) <= aim.error)
@@ -238,7 +258,8 @@ impl Exactly {
     }
 }
 
-/// Finds the reference, and goes up every ladder; where an error is enough, from the methods of high order on.
+/// Finds the reference, and goes up every ladder; where an error is enough, from the methods of high order on, but from
+/// the cheapest steps on for an average, since the rule that takes it is of order 2 by any method.
 pub(super) fn measure(
     scene: &dyn Movable,
     duration: f64,
@@ -259,11 +280,14 @@ pub(super) fn measure(
         let longer = Exactly::with(&until(FOR_LONGER), duration, SHARE_OF_AIM * allowance.budget);
         found = longer.unwrap_or(found);
     }
-    let Exactly { pilot, chaos, reference } = found;
+    let Exactly { pilot, chaos, mut reference } = found;
+    let enough = aim.filter(|aim| aim.what.is_average()).map_or(0.0, |aim| KNOWN * aim.error);
+    let runner = until(1.0);
+    let deadline = allowance.clock.now() + FOR_AVERAGES * runner.left();
+    reference.refine_averages(&Runner { deadline, ..runner }, &pilot, enough);
     let mut tell = || tell(((allowance.clock.now() - begun) / allowance.budget).min(1.0));
     tell();
 
-    let runner = until(1.0);
     let (mut rows, mut refused) = (Vec::new(), Vec::new());
     let longer = Longer { duration, pilot: pilot.length, lyapunov_time: chaos.lyapunov_time };
     let aim = aim.map(|aim| (aim, longer));
@@ -272,7 +296,8 @@ pub(super) fn measure(
     if scene.trajectories() > 0 {
         methods.extend(Candidate::LANES);
     }
-    if aim.is_some() {
+    let reversed = aim.is_some() && !to_climb.is_for_average();
+    if reversed {
         methods.reverse();
     }
     let count = methods.len();
@@ -286,7 +311,7 @@ pub(super) fn measure(
         if found.is_empty() {
             refused.push(Refused { method, why });
         }
-        if aim.is_some() {
+        if reversed {
             rows.splice(0..0, found);
         } else {
             rows.extend(found);
@@ -364,11 +389,13 @@ fn climb(runner: &Runner<'_>, to_climb: &Climb<'_>, method: Candidate) -> (Vec<P
                     break;
                 }
                 if method.is_adaptive() {
-                    steps *= 2; // a whole step that leads too far fails whatever its tolerance
+                    steps = pilot.at_instants(2 * steps); // a whole step that leads too far fails whatever its tolerance
                     continue;
                 }
             }
         }
+        // An average that is not known yet is not at its rounding.
+        stuck = if to_climb.is_for_average() { 0 } else { stuck };
         if stuck == 2 || enough == ENOUGH || dearer == DEARER {
             break;
         }
@@ -378,7 +405,7 @@ fn climb(runner: &Runner<'_>, to_climb: &Climb<'_>, method: Candidate) -> (Vec<P
                 break;
             }
         } else {
-            steps = (steps as f64 * std::f64::consts::SQRT_2).ceil() as u64;
+            steps = pilot.at_instants((steps as f64 * to_climb.finer(rows.last())).ceil() as u64);
         }
     }
     (rows, why)
@@ -400,15 +427,16 @@ pub(super) fn price(
     let distances = distances(&path, &reference.path, runner.scene.dimension());
     let lanes = rung.candidate.is_in_lanes();
     let energy = most(&path.energy);
-    let averages = if lanes { vec![f64::NAN; reference.averages.len()] } else { averages(&path) };
-    let off = |(a, b): (f64, &f64)| (a - b).abs();
+    let averages = if lanes { vec![f64::NAN; reference.averages.len()] } else { path.averages };
+    let known = zip(&reference.averages, &reference.averages_off);
+    let off = |(a, (b, least)): (f64, (&f64, &f64))| largest(*least, (a - b).abs());
     let price = Price {
         method: rung.candidate,
         h: rung.h,
         tolerance: rung.candidate.is_adaptive().then_some(rung.tolerance),
         position: (pilot.told > 0).then(|| most(pilot.told(&distances))),
         energy,
-        averages: zip(averages, &reference.averages).map(off).collect(),
+        averages: zip(averages, known).map(off).collect(),
         growth: [growth(pilot.told(&distances)), growth(&path.energy)],
         seconds: seconds / pilot.length / runner.trajectories(rung.candidate) as f64,
         spread,

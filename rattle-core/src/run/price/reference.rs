@@ -5,6 +5,7 @@ use crate::methods::composition::{KAHAN_LI_1997_ORDER_8, SOFRONIOU_SPALETTA_2005
 use crate::run::price::candidate::Candidate;
 use crate::run::price::ladder::{Path, Pilot, Runner, Stop, distances};
 use crate::run::price::moving::Rung;
+use std::iter::zip;
 
 /// RATTLE's longest step keeps the energy to this part of the kinetic one.
 const KEEPS: f64 = 0.1;
@@ -14,6 +15,15 @@ const PROBE: u64 = 32;
 const SHORTEST: i32 = 44;
 /// Bounds of the number of looks.
 const LOOKS: (f64, f64) = (4.0, 64.0);
+/// Equal parts from look to look, and how many of them in RATTLE's longest step are fine enough: an error that goes to
+/// and fro with the motion is then seen to some percent.
+const INSTANTS: [u64; 13] = [1, 2, 4, 8, 12, 16, 24, 36, 48, 60, 72, 96, 120];
+const IN_LONGEST: f64 = 3.0;
+/// Instants on the pilot interval, and coordinates kept of a path, at most.
+const MOST_INSTANTS: u64 = 4096;
+const MOST_NUMBERS: u64 = 1 << 21;
+/// Averages are known to this part of the largest value, or better.
+const AVERAGES: f64 = 1e-13;
 /// Methods of which two make a reference, the most exact first.
 const EXACT: [Candidate; 6] = [
     Candidate::Taylor,
@@ -30,9 +40,14 @@ pub(super) struct Reference {
     pub(super) candidate: Candidate,
     pub(super) second: Candidate,
     pub(super) path: Path,
-    /// The largest difference of the two, of a position and of an average.
+    /// Steps from look to look, and their size.
+    steps: u64,
+    rung: Rung,
+    /// The largest difference of the two, of a position.
     pub(super) error: f64,
+    /// Averages over the time of the pilot, and to what they are known.
     pub(super) averages: Vec<f64>,
+    pub(super) averages_off: Vec<f64>,
     /// The farthest that a body comes from where it starts.
     pub(super) way: f64,
 }
@@ -58,7 +73,12 @@ pub(super) fn pilot(runner: &Runner<'_>, duration: f64, seconds: f64) -> Result<
     let affordable = seconds / a_step * longest;
     let length = duration / (duration / affordable).ceil().clamp(1.0, 1e15);
     let looks = (length / (16.0 * longest)).clamp(LOOKS.0, LOOKS.1).log2().floor().exp2() as u64;
-    Ok(Pilot { length, looks, longest, told: looks as usize })
+    let coordinates = moving.positions().len() as u64;
+    let room = MOST_INSTANTS.min(MOST_NUMBERS / coordinates.max(1)) / looks;
+    let wanted = IN_LONGEST * length / (looks as f64 * longest);
+    let fitting = || INSTANTS.into_iter().filter(|&n| n <= room.max(1));
+    let instants = fitting().find(|&n| n as f64 >= wanted).or_else(|| fitting().next_back()).unwrap_or(1);
+    Ok(Pilot { length, looks, instants, longest, told: looks as usize })
 }
 
 /// A step of RATTLE near which longer ones fail, from below: what fails is dear, as it says why.
@@ -95,14 +115,14 @@ impl Reference {
     /// Two methods at their most exact, and two close runs.
     pub(super) fn find(runner: &Runner<'_>, pilot: &Pilot) -> Result<Self, Stop> {
         let dimension = runner.scene.dimension();
-        let mut found: Vec<(Candidate, Path)> = Vec::new();
+        let mut found: Vec<Finest> = Vec::new();
         let (mut failed, mut late) = (None, false);
         for (number, candidate) in EXACT.into_iter().enumerate() {
             let share = runner.left() / (EXACT.len() - number).min(3) as f64;
             let deadline = runner.clock.now() + share;
             let own = Runner { deadline, ..*runner };
-            match finest(&own, pilot, candidate, found.first().map(|(_, path)| path)) {
-                Ok(path) => found.push((candidate, path)),
+            match finest(&own, pilot, candidate, found.first().map(|first| &first.path)) {
+                Ok(run) => found.push(run),
                 Err(Stop::Late) => late = true,
                 Err(Stop::Failed(error)) => {
                     if !matches!(failed, Some(Error::Step { .. })) {
@@ -110,25 +130,70 @@ impl Reference {
                     }
                 }
             }
-            if let [(_, first), .., (_, last)] = &found[..]
-                && (agree(first, last, pilot, dimension) || found.len() == 3)
+            if let [first, .., last] = &found[..]
+                && (agree(&first.path, &last.path, pilot, dimension) || found.len() == 3)
             {
                 break;
             }
         }
         let pairs = (0..found.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
-        let apart =
-            |&(j, i): &(usize, usize)| most(pilot.told(&distances(&found[j].1, &found[i].1, dimension)));
+        let apart = |&(j, i): &(usize, usize)| {
+            most(pilot.told(&distances(&found[j].path, &found[i].path, dimension)))
+        };
         let Some((j, i)) = pairs.min_by(|a, b| apart(a).total_cmp(&apart(b))) else {
             return Err(failed.filter(|_| !late).map_or(Stop::Late, Stop::Failed));
         };
         let error = apart(&(j, i));
-        let (candidate, second) = (found[j].0, found[i].0);
-        let path = found.swap_remove(j).1;
-        let averages = averages(&path);
-        let start = Path { positions: vec![start(runner, pilot)?; path.positions.len()], ..Path::default() };
+        let second = found[i].rung.candidate;
+        let Finest { path, steps, rung } = found.swap_remove(j);
+        let at_start = vec![start(runner, pilot)?; path.positions.len()];
+        let start = Path { positions: at_start, per_look: path.per_look, ..Path::default() };
         let way = most(&distances(&path, &start, dimension));
-        Ok(Self { candidate, second, path, error, averages, way })
+        let (averages, averages_off) = (path.averages.clone(), vec![0.0; path.averages.len()]);
+        Ok(Self { candidate: rung.candidate, second, path, steps, rung, error, averages, averages_off, way })
+    }
+
+    /// Finds the averages with ever shorter steps, until they change by `enough` or by rounding alone, or there is no
+    /// time. They are those of Simpson's rule, from trapezoidal ones with n and with m steps,
+    ///
+    /// ```text
+    /// A = (n² Tₙ − m² Tₘ)/(n² − m²)
+    /// ```
+    ///
+    /// Where positions are lost, runs with other steps are other runs, and the first one decides.
+    pub(super) fn refine_averages(&mut self, runner: &Runner<'_>, pilot: &Pilot, enough: f64) {
+        let largest: Vec<f64> = (0..self.averages.len())
+            .map(|i| self.path.observed.iter().fold(0.0, |most, all| all[i].abs().max(most)))
+            .collect();
+        let [few, some, mut many] = [4, 2, 1].map(|every| sampled(&self.path, every));
+        self.better(&few, &some);
+        self.better(&some, &many);
+        let (mut steps, mut rung, mut seconds) = (self.steps, self.rung, self.path.seconds);
+        if steps > self.path.per_look {
+            let all = (steps as f64, self.path.averages.clone());
+            self.better(&many, &all);
+            many = all;
+        }
+        loop {
+            let known = |(off, largest): (&f64, &f64)| *off <= enough.max(AVERAGES * largest);
+            let known = zip(&self.averages_off, &largest).all(known);
+            if known || pilot.told < pilot.looks as usize || 2.5 * seconds > runner.left() {
+                return;
+            }
+            (steps, rung.h) = (2 * steps, 0.5 * rung.h);
+            let Ok(next) = runner.path(pilot, steps, rung) else { return };
+            let more = (steps as f64, next.averages);
+            self.better(&many, &more);
+            (many, seconds) = (more, next.seconds);
+        }
+    }
+
+    /// Takes the averages that follow from those with fewer steps and with more.
+    fn better(&mut self, (m, fewer): &(f64, Vec<f64>), (n, more): &(f64, Vec<f64>)) {
+        for (i, (a, b)) in zip(more, fewer).enumerate() {
+            let better = a + (a - b) * (m * m / (n * n - m * m));
+            (self.averages_off[i], self.averages[i]) = ((better - self.averages[i]).abs(), better);
+        }
     }
 }
 
@@ -148,8 +213,16 @@ pub(super) fn runner_size(runner: &Runner<'_>, pilot: &Pilot) -> f64 {
 fn most_exact(pilot: &Pilot, candidate: Candidate, size: f64) -> (u64, Rung) {
     let adaptive = candidate.is_adaptive();
     let steps = pilot.steps(if adaptive { candidate.reach() } else { 1.0 / 16.0 } * pilot.longest);
+    let steps = steps.checked_next_multiple_of(pilot.instants).unwrap_or(steps);
     let tolerance = size * if candidate == Candidate::Taylor { 1e-17 } else { 1e-15 };
     (steps, Rung { candidate, h: pilot.stretch() / steps as f64, tolerance })
+}
+
+/// A path with its steps from look to look.
+struct Finest {
+    path: Path,
+    steps: u64,
+    rung: Rung,
 }
 
 /// The path of a method at its most exact: with steps halved for as long as that makes the path come nearer to the
@@ -159,13 +232,13 @@ fn finest(
     pilot: &Pilot,
     candidate: Candidate,
     other: Option<&Path>,
-) -> Result<Path, Stop> {
+) -> Result<Finest, Stop> {
     let (mut steps, mut rung) = most_exact(pilot, candidate, runner_size(runner, pilot));
     if candidate.is_adaptive() {
-        return runner.path(pilot, steps, rung);
+        return Ok(Finest { path: runner.path(pilot, steps, rung)?, steps, rung });
     }
     let dimension = runner.scene.dimension();
-    let mut best: Option<Path> = None;
+    let mut best: Option<Finest> = None;
     let mut before = f64::INFINITY;
     loop {
         let path = match runner.path(pilot, steps, rung) {
@@ -173,15 +246,15 @@ fn finest(
             Err(stop) => return best.ok_or(stop),
         };
         let Some(last) = &best else {
-            best = Some(path);
+            best = Some(Finest { path, steps, rung });
             (steps, rung.h) = (2 * steps, 0.5 * rung.h);
             continue;
         };
-        let apart = most(pilot.told(&distances(other.unwrap_or(last), &path, dimension)));
+        let apart = most(pilot.told(&distances(other.unwrap_or(&last.path), &path, dimension)));
         let near = apart > 0.5 * before || apart == 0.0;
         let late = 2.5 * path.seconds > runner.left();
         if !near || apart < before {
-            best = Some(path);
+            best = Some(Finest { path, steps, rung });
         }
         if near || late {
             return best.ok_or(Stop::Late);
@@ -202,9 +275,12 @@ pub(super) fn most(numbers: &[f64]) -> f64 {
     numbers.iter().fold(0.0, |most, &x| if x.is_nan() || x > most { x } else { most })
 }
 
-/// Means over the looks.
-pub(super) fn averages(path: &Path) -> Vec<f64> {
-    let n = path.observed.len().max(1) as f64;
-    let number = path.observed.first().map_or(0, Vec::len);
-    (0..number).map(|i| path.observed.iter().map(|values| values[i]).sum::<f64>() / n).collect()
+/// Averages from every second, third, … sight of a path alone, with the number of those from look to look.
+fn sampled(path: &Path, every: usize) -> (f64, Vec<f64>) {
+    let mean = |i: usize| {
+        let seen = path.observed.iter().skip(every - 1).step_by(every).map(|all| all[i]);
+        let ends = path.observed.last().map_or(0.0, |last| 0.5 * (path.first[i] - last[i]));
+        (seen.sum::<f64>() + ends) / (path.observed.len() / every) as f64
+    };
+    (path.per_look as f64 / every as f64, (0..path.averages.len()).map(mean).collect())
 }

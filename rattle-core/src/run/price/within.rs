@@ -13,6 +13,8 @@ use crate::run::price::moving::{Movable, Rung};
 use crate::run::price::prices::{Offer, Price, Prices, Quantity, interpolate};
 use crate::run::price::pricing::{Aim, Allowance, Measured, measure, positive, price, refuse_random};
 use crate::run::price::set::{Observed, Set};
+#[cfg(doc)]
+use crate::run::watch::mean::Mean;
 use crate::scene::Scene;
 use std::fmt;
 
@@ -33,9 +35,15 @@ const SUREST_BEYOND: f64 = 0.15;
 const NOT_SMOOTH: f64 = 4.0;
 /// So many of the shortest steps of a method tell that.
 const SHORTEST: usize = 4;
+/// A reference is exact if another one repeats it to this part of the way.
+const EXACT: f64 = 1e-9;
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// A run whose error is at most `error`: by default the error of position, a length, at all times of the run.
+    /// A run whose error is at most `error`: by default the error of position, a length, after each of its steps. Where
+    /// there are more than some thousand steps it is measured at as many equal intervals, between which it may be some
+    /// percent larger. A run that is longer than what the budget lets measure has the error that is expected from its
+    /// beginning, see [`Planned::error`].
+    ///
     /// Method and step size are chosen by [measuring](Self::price); see [`price`](crate::run::price) for an example.
     #[doc(alias = "accuracy")]
     #[doc(alias = "tolerance")]
@@ -58,13 +66,28 @@ pub struct Within<'a, C, E, N, const D: usize> {
 }
 
 impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N, D> {
-    /// Limits the error of the energy instead, in its unit, at all times.
+    /// Limits the error of the energy instead, in its unit, after each step; as above where there are many thousands.
     pub fn in_energy(mut self) -> Self {
         self.what = Quantity::Energy;
         self
     }
 
-    /// Limits the error of the time average of `what` over the run instead, a function of the state.
+    /// Limits the error of the time average of `what` over the run instead, a function of the state: how far its
+    /// average over the steps, by the trapezoidal rule, is off the exact average over the same time. That rule is of
+    /// order 2, so the planned run has short steps if the error is small. [`Mean::over_time`] takes the average
+    /// of such a run:
+    ///
+    /// ```
+    /// # use rattle::{prelude::*, surfaces::Sphere};
+    /// let scene = Scene::on(Sphere { r: 1.0 });
+    /// let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
+    /// let x = |now: &BoxedSimulation<3>| now.positions().next().unwrap().x;
+    /// let mut planned = scene.within(1e-4).in_average("x", x).simulate(&start, 5.0)?;
+    /// let mut mean = Mean::over_time(|now: &Sight<'_, 3>| now.positions[0].x);
+    /// planned.simulation.observe(planned.steps, 1, &mut mean)?;
+    /// assert!((mean.mean() - 5_f64.sin() / 5.0).abs() < 1e-4);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
     pub fn in_average(
         mut self,
         name: impl Into<String>,
@@ -299,8 +322,11 @@ fn verify(
         match known.tolerance {
             Some(least) => tolerance = (tolerance * (0.8 * wish / error)).max(least),
             None => {
-                let more = (error / wish).powf(1.0 / f64::from(method.order()));
-                steps = ((steps as f64 * more).ceil() as u64).max(steps + 1).min(known.steps / looks);
+                // The rule that takes an average is of order 2.
+                let order = if what.is_average() { method.order().min(2) } else { method.order() };
+                let more = (error / wish).powf(1.0 / f64::from(order));
+                let more = ((steps as f64 * more).ceil() as u64).max(steps + 1);
+                steps = pilot.at_instants(more).min(known.steps / looks);
             }
         }
     }
@@ -331,6 +357,7 @@ fn unreachable(prices: &Prices, wish: f64, what: Quantity, budget: f64) -> Error
             Limit::Chaos { lyapunov_time, predictable }
         }
         (_, Some(uncertainty)) => Limit::Statistics { uncertainty },
+        _ if what.is_average() => Limit::Budget { seconds: budget },
         _ => limit(prices, row, best),
     };
     let method = row.map_or_else(|| "no method".into(), |row| row.method.to_string());
@@ -358,7 +385,8 @@ fn limit(prices: &Prices, best: Option<&Price>, error: f64) -> Limit {
     }
     match order(prices) {
         Some(order) if order < NOT_SMOOTH => Limit::Kink { order },
-        _ if error <= 100.0 * known => rounding,
+        // A reference that is not exact had no time to become so.
+        _ if error <= 100.0 * known && known <= prices.rounding.max(EXACT * prices.way) => rounding,
         _ => Limit::Budget { seconds: 0.0 },
     }
 }

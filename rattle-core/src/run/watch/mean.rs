@@ -12,6 +12,8 @@ use crate::run::watch::sight::Sight;
 #[derive(Debug, Clone)]
 pub struct Mean<Q> {
     quantity: Q,
+    /// Whether a sight counts as half the values at it and before it.
+    over_time: bool,
     all: Moments,
     /// What is not yet in `all`: so many of these.
     number: usize,
@@ -68,7 +70,27 @@ impl<Q> Mean<Q> {
     where
         Q: Fn(&Sight<'_, D>) -> f64,
     {
-        Self { quantity, all: Moments::of(&[]), number: 0, recent: [0.0; RECENT] }
+        Self { quantity, over_time: false, all: Moments::of(&[]), number: 0, recent: [0.0; RECENT] }
+    }
+
+    /// The average over time of this quantity, by the trapezoidal rule: between two sights the quantity counts as half
+    /// the sum of its values at both. The start of the run is the first of them. For steps of one length; the error is
+    /// that of the rule, of order 2 in the time between sights, where [`of`](Self::of) alone is of order 1.
+    ///
+    /// ```
+    /// # use rattle::{Rattle, Scene, State, watch::{Mean, Sight}};
+    /// let mut simulation = Scene::point().simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.5))?;
+    /// let mut mean = Mean::over_time(|now: &Sight<'_, 1>| now.positions[0].x);
+    /// simulation.observe(8, 1, &mut mean)?;
+    /// assert_eq!((mean.number(), mean.mean()), (8, 2.0));
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    #[doc(alias = "trapezoidal rule")]
+    pub fn over_time<const D: usize>(quantity: Q) -> Self
+    where
+        Q: Fn(&Sight<'_, D>) -> f64,
+    {
+        Self { over_time: true, ..Self::of(quantity) }
     }
 
     fn moments(&self) -> Moments {
@@ -105,8 +127,10 @@ impl<Q> Mean<Q> {
 
 impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Mean<Q> {
     #[inline(always)]
-    fn see(&mut self, _: &Sight<'_, D>, now: &Sight<'_, D>) {
-        self.recent[self.number] = (self.quantity)(now);
+    fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
+        let value = (self.quantity)(now);
+        self.recent[self.number] =
+            if self.over_time { 0.5 * ((self.quantity)(before) + value) } else { value };
         self.number += 1;
         if self.number == RECENT {
             self.settle();
