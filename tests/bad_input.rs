@@ -197,6 +197,48 @@ fn a_body_is_pinned_at_one_place() {
     assert_eq!((&first[..], &second[..]), (&[0.0; 3][..], &[2.0, 0.0, 0.0][..]));
 }
 
+/// A pin that is nowhere is no mistake of the start, which no projection could mend.
+#[test]
+fn a_pin_is_somewhere() {
+    for place in [f64::NAN, f64::INFINITY] {
+        let scene = Scene::points(2).link(Rod { length: 1.0 }, [[0, 1]]).pin(0, [0.0, place, 0.0]);
+        let start = State::of([[0.0; 3], [1.0, 0.0, 0.0]]);
+        let errors =
+            [refused(scene.simulate(start.clone(), Rattle::new(0.1))), scene.project(&start).unwrap_err()];
+        for error in errors.map(|error| error.to_string()) {
+            assert!(
+                error.contains("the pin of body 0 is at [0.0, ") && !error.contains("project"),
+                "{error}"
+            );
+        }
+    }
+}
+
+/// Very large and very small numbers are told with their power of ten.
+#[test]
+fn numbers_in_messages_are_short() {
+    use rattle::error::{EffectMistake, PriceMistake};
+    for (x, text) in
+        [(-1e300, "-1e300"), (2.5e-300, "2.5e-300"), (-0.5, "-0.5"), (0.0, "0"), (f64::NAN, "NaN")]
+    {
+        let wrong = EffectMistake::Parameter { name: "a number", range: "another", value: x };
+        let errors = [
+            Error::StepSize(x),
+            Error::ChangeTime(x),
+            Error::Time(x),
+            Error::EndTime(x),
+            Error::Tolerance(x),
+            Error::Restitution(x),
+            Error::Diameter(x),
+            Error::Effect { effect: "it", mistake: wrong },
+            Error::Price(PriceMistake::NotPositive { what: "duration", value: x }),
+        ];
+        for error in errors.map(|error| error.to_string()) {
+            assert!(error.ends_with(&format!("found {text}")), "{error}");
+        }
+    }
+}
+
 #[test]
 fn members_of_an_effect_are_different_bodies() {
     let spring = Spring { k: 1.0 };

@@ -1,13 +1,13 @@
 //! Effects whose parameters make no sense.
 
-use crate::error::numbers::many;
+use crate::error::numbers::{Short, many};
 
 /// What is wrong with an effect.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EffectMistake {
     /// A parameter outside its range.
-    #[error("{name} must be {range}, found {value}")]
+    #[error("{name} must be {range}, found {}", Short(*.value))]
     Parameter {
         /// Its name.
         name: &'static str,

@@ -24,7 +24,7 @@ pub use step::{
     EffectFailure, LinkedFailure, MethodFailure, PhaseFailure, RigidFailure, StepFailure, SurfaceFailure,
 };
 
-use numbers::many;
+use numbers::{Short, many};
 use std::fmt;
 
 /// Why a scene could not be set up or a step could not be taken.
@@ -36,7 +36,7 @@ use std::fmt;
 #[non_exhaustive]
 pub enum Error {
     /// The step size is zero, infinite or NaN.
-    #[error("the step size must be finite and not zero, found {0}")]
+    #[error("the step size must be finite and not zero, found {}", Short(*.0))]
     StepSize(f64),
 
     /// The state has another number of bodies than the scene.
@@ -52,7 +52,7 @@ pub enum Error {
     },
 
     /// The time scale τ of [variable steps](crate::methods::variable) is not positive, or not finite.
-    #[error("the time tau within which steps change must be positive and finite, found {0}")]
+    #[error("the time tau within which steps change must be positive and finite, found {}", Short(*.0))]
     ChangeTime(f64),
 
     /// A method that is not symmetric where it must be: in a composition, in variable steps, in a check of reversal.
@@ -81,11 +81,11 @@ pub enum Error {
     },
 
     /// The time of the start is NaN or infinite.
-    #[error("the time of the start must be finite, found {0}")]
+    #[error("the time of the start must be finite, found {}", Short(*.0))]
     Time(f64),
 
     /// The time at which a run is to end is NaN or infinite.
-    #[error("the time until which to run must be finite, found {0}")]
+    #[error("the time until which to run must be finite, found {}", Short(*.0))]
     EndTime(f64),
 
     /// A power series of fewer than two or more than 64 terms.
@@ -108,13 +108,14 @@ pub enum Error {
     ShadowOrder(usize),
 
     /// A tolerance that is not a positive number.
-    #[error("a tolerance is a positive number, found {0}")]
+    #[error("a tolerance is a positive number, found {}", Short(*.0))]
     Tolerance(f64),
 
     /// A histogram without bins, with an empty or infinite range, or with more bins than 2²⁷ or than there is memory
     /// for.
     #[error(
-        "a histogram has one bin or more, up to 2²⁷ as memory allows, between two finite numbers; found {bins} from {from} to {to}"
+        "a histogram has one bin or more, up to 2²⁷ as memory allows, between two finite numbers; found {bins} from {} to {}",
+        Short(*.from), Short(*.to)
     )]
     Bins {
         /// Where the first bin begins.
@@ -126,11 +127,11 @@ pub enum Error {
     },
 
     /// A restitution that is not between 0 and 1.
-    #[error("a restitution is a number from 0 to 1, found {0}")]
+    #[error("a restitution is a number from 0 to 1, found {}", Short(*.0))]
     Restitution(f64),
 
     /// A diameter that is not a positive number.
-    #[error("a diameter is a positive number, found {0}")]
+    #[error("a diameter is a positive number, found {}", Short(*.0))]
     Diameter(f64),
 
     /// Bodies overlap when contacts are added.
@@ -156,7 +157,7 @@ pub enum Error {
     },
 
     /// A composition whose coefficients do not add up to 1, or are not symmetric.
-    #[error("the coefficients of {name} must be symmetric and add up to 1; their sum is {sum}")]
+    #[error("the coefficients of {name} must be symmetric and add up to 1; their sum is {}", Short(*.sum))]
     Coefficients {
         /// Their name.
         name: &'static str,

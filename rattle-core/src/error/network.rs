@@ -29,6 +29,14 @@ pub enum NetworkMistake {
         /// The body.
         body: usize,
     },
+    /// The place of a pin is not a number, or infinite.
+    #[error("the pin of body {body} is at {place:?}, where every coordinate must be finite")]
+    PinNotFinite {
+        /// The body.
+        body: usize,
+        /// The place.
+        place: Vec<f64>,
+    },
     /// A body is pinned twice, at different places.
     #[error("body {body} is pinned at {first:?} and at {second:?}")]
     PinnedTwice {

@@ -68,6 +68,17 @@ impl fmt::Display for Digits {
     }
 }
 
+/// A number with all its digits; a very large or very small one with its power of ten, not with its zeros.
+pub(crate) struct Short(pub(crate) f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(x) = *self;
+        let plain = x == 0.0 || !x.is_finite() || (1e-4..1e16).contains(&x.abs());
+        if plain { write!(f, "{x}") } else { write!(f, "{x:e}") }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 //! Forces between pairs of bodies that cannot be set up.
 
-use crate::error::numbers::many;
+use crate::error::numbers::{Short, many};
 
 /// What is wrong with a cut-off, a periodic box or kinds of bodies.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -8,7 +8,8 @@ use crate::error::numbers::many;
 pub enum PairMistake {
     /// A reach (cut-off distance) that is not a positive length.
     #[error(
-        "the reach of {what} is {reach}, and must be positive, with a square that is neither 0 nor infinite"
+        "the reach of {what} is {}, and must be positive, with a square that is neither 0 nor infinite",
+        Short(*.reach)
     )]
     Reach {
         /// The type of the potential.
@@ -17,7 +18,7 @@ pub enum PairMistake {
         reach: f64,
     },
     /// A potential that is not finite at its cut-off.
-    #[error("{what} is {value} at its reach {reach}: nothing can be taken from it there")]
+    #[error("{what} is {} at its reach {}: nothing can be taken from it there", Short(*.value), Short(*.reach))]
     Value {
         /// The type of the potential.
         what: &'static str,
@@ -27,7 +28,10 @@ pub enum PairMistake {
         value: f64,
     },
     /// A switch that does not begin between 0 and the reach.
-    #[error("{what} is switched off from {from} on, which must be 0 or more and less than its reach {reach}")]
+    #[error(
+        "{what} is switched off from {} on, which must be 0 or more and less than its reach {}",
+        Short(*.from), Short(*.reach)
+    )]
     Switch {
         /// The type of the potential.
         what: &'static str,
@@ -37,7 +41,9 @@ pub enum PairMistake {
         reach: f64,
     },
     /// A skin that is negative or not finite.
-    #[error("the skin of {what} is {skin}, and must be 0 or more and finite; 0.3 of the reach serves most")]
+    #[error(
+        "the skin of {what} is {}, and must be 0 or more and finite; 0.3 of the reach serves most", Short(*.skin)
+    )]
     Skin {
         /// The type of the potential.
         what: &'static str,
@@ -46,8 +52,8 @@ pub enum PairMistake {
     },
     /// A periodic box that is too small for the reach, or has no size.
     #[error(
-        "{what} reaches as far as {reach}, and its box repeats itself after {period} along coordinate {coordinate}: a period \
-         must be at least twice the reach, or infinite where there is none"
+        "{what} reaches as far as {}, and its box repeats itself after {} along coordinate {coordinate}: a period \
+         must be at least twice the reach, or infinite where there is none", Short(*.reach), Short(*.period)
     )]
     Period {
         /// The type of the potential.

@@ -1,6 +1,6 @@
 //! Errors of starts in phase space.
 
-use crate::error::numbers::History;
+use crate::error::numbers::{History, Short};
 
 /// What is wrong with a start in phase space. Equations are counted from 0; residuals are compared with the sizes of
 /// their terms.
@@ -24,7 +24,7 @@ pub enum PhaseMistake {
     },
     /// The Hamiltonian or its gradient is NaN or infinite.
     #[error(
-        "the Hamiltonian is {value} here, its gradient {gradient:?}; both must be finite: check its domain"
+        "the Hamiltonian is {} here, its gradient {gradient:?}; both must be finite: check its domain", Short(*.value)
     )]
     HamiltonianNotFinite {
         /// H(q, p).

@@ -1,5 +1,6 @@
 //! Errors of measuring the cost of accuracy.
 
+use crate::error::numbers::Short;
 use std::fmt;
 
 /// Why the cost of accuracy could not be measured, or the accuracy not be reached.
@@ -7,7 +8,7 @@ use std::fmt;
 #[non_exhaustive]
 pub enum PriceMistake {
     /// A duration, a budget or a wanted error that is not a positive number.
-    #[error("the {what} must be positive and finite, found {value}")]
+    #[error("the {what} must be positive and finite, found {}", Short(*.value))]
     NotPositive {
         /// Which number.
         what: &'static str,
@@ -38,7 +39,8 @@ pub enum PriceMistake {
     },
     /// A start from which the simulation did not run.
     #[error(
-        "{steps} steps from the start at t = {start} end at t = {end}, and it is t = {now}: give a state of this simulation"
+        "{steps} steps from the start at t = {} end at t = {}, and it is t = {}: give a state of this simulation",
+        Short(*.start), Short(*.end), Short(*.now)
     )]
     OtherStart {
         /// The time of the start.

@@ -1,7 +1,7 @@
 //! Errors of starts.
 
 use crate::error::network::EquationAt;
-use crate::error::numbers::History;
+use crate::error::numbers::{History, Short};
 use crate::error::phase::PhaseMistake;
 
 /// What is wrong with a start.
@@ -24,7 +24,7 @@ pub enum StartFailure {
     },
     /// The constraint function is NaN or infinite at the start.
     #[error(
-        "at q = {position:?} the constraint is {value} and its gradient {gradient:?}; both must be finite"
+        "at q = {position:?} the constraint is {} and its gradient {gradient:?}; both must be finite", Short(*.value)
     )]
     ConstraintNotFinite {
         /// g(q).

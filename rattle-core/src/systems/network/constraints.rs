@@ -88,6 +88,9 @@ impl<const D: usize> Network<D> {
             if body >= bodies {
                 return mistake(NetworkMistake::NoSuchBody { what: "pin", member: pin, body, bodies });
             }
+            if !place.iter().all(|x| x.is_finite()) {
+                return mistake(NetworkMistake::PinNotFinite { body, place: place.to_vec() });
+            }
             if matches!(roots[body], Root::Pinned)
                 && let Some((_, other)) =
                     self.pins[..pin].iter().find(|&&(before, other)| before == body && other != place)
