@@ -196,3 +196,22 @@ fn rounded_edges_are_not_passed_over() {
     never_over_a_rounded_edge(|h| Dop853::adaptive(h, 1e-8));
     never_over_a_rounded_edge(|h| Taylor::adaptive(10, h, 1e-8));
 }
+
+/// A step past a corner passes two edges, behind the first of which nothing of the second is seen at its ends.
+#[test]
+fn an_edge_before_a_corner_is_told() {
+    let scene = Scene::on(Cube { r: 1.0 });
+    let start = || State::at([1.0, 0.966, 0.985]).moving([0.0, 0.83, 0.56]);
+    let told = |error: &rattle::Error| match error {
+        rattle::Error::Step { cause: StepFailure::Kink { share, position, .. }, .. } => {
+            // z = 1 after 0.015/0.56 of time, on the way to y = 1 after 0.034/0.83.
+            assert!((share - 0.015 / 0.56 / 0.3).abs() < 1e-5 && (position[2] - 1.0).abs() < 1e-5, "{error}");
+        }
+        other => panic!("{other}"),
+    };
+    told(&scene.simulate(start(), Rattle::new(0.3)).unwrap().run(1).unwrap_err());
+    told(&scene.simulate(start(), Lobatto::<3>::new(0.3)).unwrap().run(1).unwrap_err());
+    let mut ensemble = scene.ensemble(vec![start(); 3], Rattle::new(0.3)).unwrap();
+    ensemble.run(1);
+    told(ensemble.failure(2).unwrap());
+}

@@ -14,7 +14,7 @@
 
 use crate::kernel::functions::{ConstraintKernel, PhaseConstraintKernel};
 use crate::number::real::{Real, Scalar};
-use crate::number::vector::{add_scaled, dot, largest};
+use crate::number::vector::{add_scaled, dot, largest, scaled};
 use std::array::from_fn;
 
 /// Arguments that are compared at a time.
@@ -142,10 +142,26 @@ where
     T: Scalar,
     K: Kinked<T, D, H, M>,
 {
-    let way = Way { kernel, from, change: less(to, from) };
-    let kinks = (0..K::KINKS.len()).filter_map(|number| way.kink::<T, M>(number));
-    kinks.min_by(|a, b| a.share.total_cmp(&b.share))
+    let mut way = Way { kernel, from, change: less(to, from) };
+    let mut part = 1.0;
+    for _ in 0..CORNERS {
+        let changes = (0..K::KINKS.len()).filter_map(|number| Some((number, way.change_of::<T, M>(number)?)));
+        let changes: Vec<_> = changes.collect();
+        let kinks = changes.iter().filter_map(|&(number, at)| way.kink::<T, M>(number, at));
+        if let Some(kink) = kinks.min_by(|a, b| a.share.total_cmp(&b.share)) {
+            return Some(Kink { share: part * kink.share, ..kink });
+        }
+        // No normal jumps where these arguments change their signs: near a corner it may where others do, and do so
+        // once more behind it.
+        let before = changes.iter().map(|(_, [before, _])| *before).min_by(f64::total_cmp)?;
+        way.change = way.change.map(|half| scaled(before, &half));
+        part *= before;
+    }
+    None
 }
+
+/// So many edges that meet in a corner are told apart.
+const CORNERS: u32 = 4;
 
 /// A gap of less than so many roundings is none.
 const ROUNDINGS: f64 = 64.0;
@@ -188,8 +204,8 @@ impl<K, const D: usize, const H: usize> Way<'_, K, D, H> {
         })
     }
 
-    /// Where this argument changes its sign, if a normal jumps there.
-    fn kink<T: Scalar, const M: usize>(&self, number: usize) -> Option<Kink>
+    /// Before and after where this argument changes its sign.
+    fn change_of<T: Scalar, const M: usize>(&self, number: usize) -> Option<[f64; 2]>
     where
         K: Kinked<T, D, H, M>,
     {
@@ -202,6 +218,14 @@ impl<K, const D: usize, const H: usize> Way<'_, K, D, H> {
             let middle = 0.5 * (a + b);
             *(if self.sign::<T, M>(number, middle) == before { &mut a } else { &mut b }) = middle;
         }
+        Some([a, b])
+    }
+
+    /// The kink where this argument changes its sign, if a normal jumps there.
+    fn kink<T: Scalar, const M: usize>(&self, number: usize, [a, b]: [f64; 2]) -> Option<Kink>
+    where
+        K: Kinked<T, D, H, M>,
+    {
         let [start, last, first, end] = [0.0, a, b, 1.0].map(|share| self.side::<T, M>(share));
         let way = length(&self.change);
         let size = self.from.iter().map(largest).fold(way, f64::max);

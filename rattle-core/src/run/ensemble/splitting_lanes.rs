@@ -5,7 +5,7 @@ use crate::effect::list::Forces;
 use crate::effect::noise::Noise;
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
-use crate::motion::bodies::Body;
+use crate::motion::bodies::{Body, Saved};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Renewal, Stage};
 use crate::motion::parts::BodiesOf;
@@ -393,25 +393,47 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
             stirred.begin(step, around, system, &mut bodies);
         }
         let start = bodies.saved();
-        for part in 0..parts {
-            if !around || part == 0 {
-                act(&mut stirred, 0, before, whole, &mut bodies)?;
-            }
-            for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
-                system.drift(before, h, &mut bodies, &mut ())?;
-                if after != 0.0 || stages[(i + 1) % stages.len()].before != 0.0 {
-                    system.evaluate_forces(&mut bodies);
+        let mut moved = || {
+            for part in 0..parts {
+                if !around || part == 0 {
+                    act(&mut stirred, 0, before, whole, &mut bodies)?;
                 }
-                system.settle(after, h, &mut bodies, &mut ())?;
-                act(&mut stirred, i + 1, None, whole, &mut bodies)?;
+                for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
+                    system.drift(before, h, &mut bodies, &mut ())?;
+                    if after != 0.0 || stages[(i + 1) % stages.len()].before != 0.0 {
+                        system.evaluate_forces(&mut bodies);
+                    }
+                    system.settle(after, h, &mut bodies, &mut ())?;
+                    act(&mut stirred, i + 1, None, whole, &mut bodies)?;
+                }
+                if !around || part + 1 == parts {
+                    act(&mut stirred, 0, after, whole, &mut bodies)?;
+                }
             }
-            if !around || part + 1 == parts {
-                act(&mut stirred, 0, after, whole, &mut bodies)?;
-            }
+            Ok(())
+        };
+        if let Err(failure) = moved() {
+            return Err(of_a_kink_ahead(system, time * f64::from(parts), &start, &mut bodies, failure));
         }
         system.check_kinks(&start, &bodies)?;
     }
     Ok((out_of_lanes(&bodies.all()), bodies.work.to_f64()))
+}
+
+/// Why bodies could not be moved: a kink on their way, if there is one.
+fn of_a_kink_ahead<S: Lane, Y: System<S, D>, const D: usize>(
+    system: &Y,
+    h: f64,
+    start: &Saved<Y::Count, S, D>,
+    bodies: &mut BodiesOf<Y, S, D>,
+    failure: Failure,
+) -> Failure {
+    if !failure.may_be_of_a_kink() {
+        return failure;
+    }
+    system.put_back(bodies, start);
+    system.coast(h, bodies);
+    system.check_kinks(start, bodies).err().unwrap_or(failure)
 }
 
 /// Bodies in a lane's numbers.
