@@ -10,6 +10,11 @@ constraint! {
     struct Round {}
     |x, y, z| hypot(x, y)^2 + z^2 - 1
 }
+constraint! {
+    /// The same of the distance from a point.
+    struct Ball {}
+    |x, y, z| hypot(hypot(x, y), z)^2 + sqrt(sqrt(x))^4 - 1
+}
 constraint! { struct Powers { k } |x, y, z| cbrt(x)^3 + hypot(y, z)^4 + sqrt(x)^4 - k }
 constraint! { struct Growing {} |x, y, z| z - x^y }
 constraint! { struct Written {} |x, y, z| z - exp(y * ln(x)) }
@@ -24,6 +29,9 @@ fn powers_of_a_distance_are_smooth() {
     let pole = vector![0.0, 0.0, 1.0];
     let curved = Round {}.hessian_vector(&pole, &vector![1.0, 2.0, 3.0]);
     assert_eq!(curved, vector![2.0, 4.0, 6.0].transpose());
+    let curved = Ball {}.hessian_vector(&pole, &vector![1.0, 2.0, 3.0]);
+    assert_eq!(curved, vector![2.0, 4.0, 6.0].transpose());
+    assert_eq!(Ball {}.jacobian(&pole), vector![1.0, 0.0, 2.0].transpose());
     // hypot(y, z)⁴ = (y² + z²)², whose second derivatives vanish with its first; ∛x³ = x and √x⁴ = x².
     let at = vector![0.0, 0.0, 0.0];
     let g = Powers { k: 1.0 };

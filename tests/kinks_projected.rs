@@ -214,4 +214,7 @@ fn an_edge_before_a_corner_is_told() {
     let mut ensemble = scene.ensemble(vec![start(); 3], Rattle::new(0.3)).unwrap();
     ensemble.run(1);
     told(ensemble.failure(2).unwrap());
+    let mut ensemble = scene.ensemble(vec![start(); 3], Lobatto::<3>::new(0.3)).unwrap();
+    ensemble.run(1);
+    told(ensemble.failure(2).unwrap());
 }

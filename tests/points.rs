@@ -201,6 +201,6 @@ fn lines_are_asked_in_the_box_alone() {
     };
     let [tight, wide] = [[1.021, 0.021], [2.042, 0.042]].map(asked);
     println!("{tight} evaluations a point in a tight box, {wide} in one twice as wide");
-    assert!(tight < 4000.0, "{tight}");
+    assert!(tight < 4000.0, "{tight}"); // 818; 15 660 where lines were followed beyond the box
     assert!(wide > 2.0 * tight && wide < 6.0 * tight, "{tight} {wide}");
 }

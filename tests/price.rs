@@ -1,14 +1,7 @@
 //! Prices of accuracy: orders, errors, limits and wishes refused, by a clock that counts evaluations. Wishes met,
 //! chaos, and errors estimated are asked in `optimised/tests/price.rs`.
 
-mod common;
-mod estimates;
-#[path = "common/priced.rs"]
-#[allow(dead_code, reason = "each test uses its part")]
-mod priced;
-mod wishes;
-
-use priced::{FREE, Forces, NONE, Several, double_pendulum, on, pendulum, sphere};
+use crate::priced::{FREE, Forces, NONE, Several, double_pendulum, on, pendulum, sphere};
 use rattle::Error;
 use rattle::effect::{Langevin, LinearDrag};
 use rattle::error::{Limit, PriceMistake};

@@ -116,7 +116,7 @@ pub enum FlowError {
     /// An outlet or an inflow is nowhere.
     #[error(
         "{what} chooses none of the {edges} edges of the boundary; it is asked at their midpoints, \
-         which rounding may move"
+         which rounding moves: compare with a tolerance"
     )]
     NoEdge {
         /// What chooses none.

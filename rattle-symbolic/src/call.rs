@@ -283,7 +283,8 @@ impl Arithmetic<'_> {
                 }
                 if let Some(thirds) = ratio.parts(3).and_then(|thirds| i32::try_from(thirds).ok()) {
                     let root = self.graph.call(Function::Cbrt, x);
-                    return Value::Number(self.graph.power(root, 2 * thirds));
+                    let power = self.graph.power(root, 2 * thirds);
+                    return self.finite(power, base_at.to(exponent_at));
                 }
                 (self.graph.constant(ratio.value()), ratio.value())
             }

@@ -58,6 +58,7 @@ pub struct Calculus<'a> {
 impl<'a> Calculus<'a> {
     /// For derivatives in this graph.
     pub fn new(graph: &'a mut Graph) -> Self {
+        graph.begin_derivatives();
         Calculus { graph, fault: None, slopes: BTreeMap::new(), made_of: Vec::new() }
     }
     /// The same with a wrong entry in the table: for tests of tests.
@@ -211,18 +212,20 @@ impl<'a> Calculus<'a> {
             Node::Power(a, halves) => {
                 // What is smooth at 0 though a is not, and the slope of a is set to 0 there: even powers of √u are
                 // those of u, third powers of ∛u too, and the slopes of dⁿ, d = hypot(u, v), are n dⁿ⁻² u and n dⁿ⁻² v.
-                let (a, halves) = match *g.node(a) {
-                    Node::Call(Function::Sqrt, inside) if halves % 2 == 0 => (inside, halves / 2),
-                    Node::Call(Function::Cbrt, inside) if halves % 6 == 0 => (inside, halves / 3),
-                    _ => (a, halves),
-                };
+                let (mut a, mut halves) = (a, halves);
+                loop {
+                    (a, halves) = match *g.node(a) {
+                        Node::Call(Function::Sqrt, inside) if halves % 2 == 0 => (inside, halves / 2),
+                        Node::Call(Function::Cbrt, inside) if halves % 6 == 0 => (inside, halves / 3),
+                        _ => break,
+                    };
+                }
                 let exponent = Scaled::number(f64::from(halves) / 2.0);
                 match *g.node(a) {
-                    Node::Call2(Binary::Hypot, u, v) if halves >= 4 => {
-                        let lower = g.power(a, halves - 4);
-                        [u, v]
-                            .map(|u| (Rule::Power, u, g.product(&[exponent, lower.into(), u.into()])))
-                            .into()
+                    Node::Call2(Binary::Hypot, ..) if halves >= 4 => {
+                        let (sides, lower) = (sides(g, a), g.power(a, halves - 4));
+                        let slope = |u: Id| (Rule::Power, u, g.product(&[exponent, lower.into(), u.into()]));
+                        sides.into_iter().map(slope).collect()
                     }
                     _ => {
                         let lower = g.power(a, halves - 2);
@@ -263,5 +266,13 @@ impl<'a> Calculus<'a> {
             Some(fault) if fault.rule == rule => partial.times(fault.factor),
             _ => partial,
         }
+    }
+}
+
+/// What √(u² + v² + …) is made of, where it is a hypot, perhaps of others.
+fn sides(graph: &Graph, distance: Id) -> Vec<Id> {
+    match *graph.node(distance) {
+        Node::Call2(Binary::Hypot, u, v) => [sides(graph, u), sides(graph, v)].concat(),
+        _ => vec![distance],
     }
 }

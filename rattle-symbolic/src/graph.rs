@@ -24,6 +24,8 @@ pub struct Graph {
     depth: Vec<u32>,
     number: Vec<Option<f64>>,
     steps: Cell<usize>,
+    /// How many nodes there were before the first derivative.
+    written: Option<usize>,
     index: HashMap<Node, Id>, // looked up, never iterated: its order cannot reach the output
 }
 
@@ -104,6 +106,15 @@ impl Graph {
             values[id.index()] = operation(self.node(id), |id| values[id.index()], &input);
         }
         roots.iter().map(|root| values[root.index()]).collect()
+    }
+
+    /// From now on nodes are of derivatives, if they are not already.
+    pub(crate) fn begin_derivatives(&mut self) {
+        self.written.get_or_insert(self.nodes.len());
+    }
+    /// Whether the node is the user's, not one of a derivative.
+    pub(crate) fn is_written(&self, id: Id) -> bool {
+        self.written.is_none_or(|written| id.index() < written)
     }
 
     pub(crate) fn insert(&mut self, node: Node) -> Id {

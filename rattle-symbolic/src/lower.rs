@@ -193,7 +193,6 @@ impl Lowering<'_> {
             self.unreadable = true;
             return;
         };
-        let to = if binder.inclusive { to.saturating_add(1) } else { to };
         if let (Kind::Number(_, first), Kind::Number(_, last), true) =
             (&binder.from.kind, &binder.to.kind, from > to)
         {
@@ -202,6 +201,7 @@ impl Lowering<'_> {
             self.unreadable = true;
             return;
         }
+        let to = if binder.inclusive { to.saturating_add(1) } else { to };
         let start = self.scope.len();
         for index in from..to {
             self.rounds += 1;

@@ -76,6 +76,7 @@ impl<'p> Parser<'p> {
         match self.expression(input).and_then(|expr| self.finished(input).map(|()| expr)) {
             Ok(expr) => Some(expr),
             Err(error) => {
+                self.before = None;
                 self.problems.note_syntax(error);
                 drain(input);
                 Some(self.make(Kind::Wrong, start))
@@ -327,7 +328,7 @@ impl<'p> Parser<'p> {
         if input.peek(Token![!]) && !input.peek(Token![!=]) {
             return self.foreign(&name, start, input);
         }
-        if input.peek(Token![^]) && Function::named(&name.to_string()).is_some() {
+        if Function::named(&name.to_string()).is_some() && tokens::power_of_function(input) {
             let message = format!("a power of `{name}` is written `{name}(x)^2`");
             return Err(syn::Error::new_spanned(&name, message));
         }

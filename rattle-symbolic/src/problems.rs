@@ -115,10 +115,10 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
         .into_iter()
         .map(|candidate| (distance(name, candidate), candidate))
         .filter(|&(distance, candidate)| {
-            let short = name.chars().count().max(candidate.chars().count());
+            let longer = name.chars().count().max(candidate.chars().count());
             // Of few letters the first one is right, or all but one are.
             let begins = candidate.starts_with(|first| name.starts_with(first));
-            distance <= limit && distance < short && (distance < 2 || short > 4 || begins)
+            distance <= limit && distance < longer && (distance < 2 || longer > 4 || begins)
         })
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, candidate)| candidate)
@@ -157,7 +157,7 @@ mod tests {
             ("α", None), // one letter, though two bytes
             ("elephant", None),
             ("sni", Some("sin")),
-            ("foo", None), // nor is `for` meant
+            ("foo", None),
             ("fin", Some("sin")),
         ];
         for (name, expected) in rows {

@@ -121,13 +121,17 @@ impl Graph {
         let power = self.call2(Binary::Powf, a, less);
         let slope = self.product(&[b.into(), power.into()]);
         let slope = self.node_of(slope);
-        // At the tip of a root the slope is set to 0, and it is 0 where the exponent is, though 0·0⁻¹ is NaN.
+        // At the tip of a root the slope is set to 0, and it is 0 where the exponent is, though 0·0⁻¹ is NaN. Roots
+        // that derivatives are made of have their infinite slopes: those of x^(6/5) bend it without end.
+        let root = self.is_written(f);
         let at_zero = match self.number(b) {
-            Some(exponent) if (0.0..1.0).contains(&exponent) => zero,
+            Some(exponent) if exponent == 0.0 || (root && 0.0 < exponent && exponent < 1.0) => zero,
             Some(_) => slope,
             None => {
-                let root = self.select(Comparison::Less, b, one, zero, slope);
-                self.select(Comparison::Less, b, zero, slope, root)
+                let (comparison, most) =
+                    if root { (Comparison::Less, one) } else { (Comparison::LessOrEqual, zero) };
+                let flat = self.select(comparison, b, most, zero, slope);
+                self.select(Comparison::Less, b, zero, slope, flat)
             }
         };
         let not_below = self.select(Comparison::LessOrEqual, zero, a, at_zero, slope);

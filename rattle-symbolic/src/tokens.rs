@@ -39,6 +39,12 @@ pub(crate) fn meaningless(input: ParseStream) -> Option<String> {
     keyword.then(|| format!("{} is a keyword of Rust, and has no meaning in a formula", found(input)))
 }
 
+/// Whether the name before is meant as a function to a power, as in `sin^2(x)`.
+pub(crate) fn power_of_function(input: ParseStream) -> bool {
+    let ahead = input.fork();
+    ahead.parse::<Token![^]>().is_ok() && ahead.parse::<Lit>().is_ok() && ahead.peek(token::Paren)
+}
+
 /// A name, where one must come next.
 pub(crate) fn name(input: ParseStream) -> syn::Result<Ident> {
     if input.peek(Token![_]) {

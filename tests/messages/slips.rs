@@ -71,7 +71,7 @@ constraint! {
 }
 constraint! {
     pub struct Squared { r }
-    |q: [f64; 2]| sin^2(q[0]) + r
+    |q: [f64; 2], sign| sin^2(q[0]) + r * sign^2
 }
 constraint! {
     pub struct Summed { r }

@@ -30,7 +30,7 @@ pub enum NetworkMistake {
         body: usize,
     },
     /// The place of a pin is not a number, or infinite.
-    #[error("the pin of body {body} is at {place:?}, where every coordinate must be finite")]
+    #[error("the pin of body {body} is at {place:?}; every coordinate must be finite")]
     PinNotFinite {
         /// The body.
         body: usize,

@@ -80,9 +80,8 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     marks
 }
 
-/// As [`of_system`], of a lane. Momenta are ahead there by what its laws and its step make of them: they count for
-/// nothing, so that it is not the masses that seem to differ where other laws do. Nor are those of phase space asked
-/// before H, which decides there what velocities are.
+/// As [`of_system`], of a lane. Momenta are left out: in lanes they run ahead by a kick, so that another force would be
+/// told as other masses. In phase space H decides what velocities are, and comes before them.
 pub(in crate::run) fn of_lane<Y: System<f64, D>, const D: usize>(
     system: &Y,
     places: &[Body<f64, D>],

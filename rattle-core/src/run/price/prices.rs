@@ -93,13 +93,14 @@ pub struct Price {
     /// The tolerance, of adaptive methods.
     pub tolerance: Option<f64>,
     /// The largest error of position of any body at the end of any step up to
-    /// [`positions_until`](Prices::positions_until), or at some thousand equal intervals where there are more steps;
-    /// `None` if that is before the first sampled time.
+    /// [`positions_until`](Prices::positions_until), or at the end of every n-th where steps are much shorter than the
+    /// longest that RATTLE can take; `None` if that is before the first sampled time.
     pub position: Option<f64>,
-    /// The largest error of the energy after any step, or after every n-th where there are many thousands; in its unit.
+    /// The largest error of the energy after any step, or after every n-th where steps are much shorter than
+    /// the longest that RATTLE can take; in its unit.
     pub energy: f64,
     /// Errors of the averages over the steps of the run, by the trapezoidal rule, each in the unit of the observable;
-    /// at least those to which the averages of the reference are known.
+    /// never less than what the averages of the reference are uncertain by.
     pub averages: Vec<f64>,
     /// The exponents a with which the errors of position and of energy grew with time, like tᵃ.
     pub growth: [f64; 2],

@@ -218,14 +218,15 @@ impl Climb<'_> {
         self.aim.is_some_and(|(aim, _)| aim.what.is_average())
     }
 
-    /// How many times as many steps the rung after this row has. The error of an average falls like h², so that fewer
-    /// rungs lead to what is aimed at.
+    /// How many times as many steps the rung after this row has. The error of an average falls like h², so one larger
+    /// rung leads near to the aim.
     fn finer(&self, row: Option<&Price>) -> f64 {
         let Some(((aim, longer), row)) = self.aim.zip(row).filter(|_| self.is_for_average()) else {
             return FINER;
         };
         let error = row.error(aim.what).unwrap_or(0.0) * longer.grown(row, aim.what);
-        (AMPLY * (error / aim.error).sqrt()).clamp(FINER, FARTHEST)
+        let finer = AMPLY * (error / aim.error).sqrt();
+        if finer.is_nan() { FINER } else { finer.clamp(FINER, FARTHEST) }
     }
 
     fn is_enough(&self, row: &Price) -> bool {
@@ -394,8 +395,8 @@ fn climb(runner: &Runner<'_>, to_climb: &Climb<'_>, method: Candidate) -> (Vec<P
                 }
             }
         }
-        // An average that is not known yet is not at its rounding.
-        stuck = if to_climb.is_for_average() { 0 } else { stuck };
+        // Shorter steps improve an average long after positions are at their rounding; smaller tolerances do not.
+        stuck = if to_climb.is_for_average() && !method.is_adaptive() { 0 } else { stuck };
         if stuck == 2 || enough == ENOUGH || dearer == DEARER {
             break;
         }

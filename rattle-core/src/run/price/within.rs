@@ -35,14 +35,17 @@ const SUREST_BEYOND: f64 = 0.15;
 const NOT_SMOOTH: f64 = 4.0;
 /// So many of the shortest steps of a method tell that.
 const SHORTEST: usize = 4;
+/// An average that is off by this part of itself is off by rounding: by some hundred times what references are known
+/// to.
+const AT_ROUNDING: f64 = 1e-11;
 /// A reference is exact if another one repeats it to this part of the way.
 const EXACT: f64 = 1e-9;
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// A run whose error is at most `error`: by default the error of position, a length, after each of its steps. Where
-    /// there are more than some thousand steps it is measured at as many equal intervals, between which it may be some
-    /// percent larger. A run that is longer than what the budget lets measure has the error that is expected from its
-    /// beginning, see [`Planned::error`].
+    /// A run whose error is at most `error`: by default the error of position, a length, after each of its steps. It
+    /// is measured at three instants or more in each longest step that RATTLE can take, at fewer where there are very
+    /// many bodies; after steps in between it may be some percent larger. A run that is longer than what the budget
+    /// lets measure has the error that is expected from its beginning, see [`Planned::error`].
     ///
     /// Method and step size are chosen by [measuring](Self::price); see [`price`](crate::run::price) for an example.
     #[doc(alias = "accuracy")]
@@ -66,7 +69,7 @@ pub struct Within<'a, C, E, N, const D: usize> {
 }
 
 impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N, D> {
-    /// Limits the error of the energy instead, in its unit, after each step; as above where there are many thousands.
+    /// Limits the error of the energy instead, in its unit, after each step; measured as above.
     pub fn in_energy(mut self) -> Self {
         self.what = Quantity::Energy;
         self
@@ -357,7 +360,10 @@ fn unreachable(prices: &Prices, wish: f64, what: Quantity, budget: f64) -> Error
             Limit::Chaos { lyapunov_time, predictable }
         }
         (_, Some(uncertainty)) => Limit::Statistics { uncertainty },
-        _ if what.is_average() => Limit::Budget { seconds: budget },
+        _ if let Quantity::Average(number) = what => {
+            let size = prices.averages.get(number).map_or(0.0, |average| average.mean.abs());
+            if best <= AT_ROUNDING * size { Limit::Rounding } else { Limit::Budget { seconds: budget } }
+        }
         _ => limit(prices, row, best),
     };
     let method = row.map_or_else(|| "no method".into(), |row| row.method.to_string());

@@ -46,7 +46,7 @@ impl<F: Fn() -> O, O: Observer<D>, const D: usize> Observer<D> for Each<F, O> {
     }
 
     fn sees_jumps(&self) -> bool {
-        self.observers.values().next().map_or_else(|| (self.new)().sees_jumps(), Observer::sees_jumps)
+        self.observers.values().next().is_none_or(Observer::sees_jumps)
     }
 
     fn jump(&mut self, from: &Sight<'_, D>, before: &Sight<'_, D>, after: &Sight<'_, D>) {

@@ -44,11 +44,12 @@ pub trait Observer<const D: usize> {
     /// Called with a trajectory as it is now, and as it was at the previous sight; at the first sight, as it was at the
     /// start.
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>);
-    /// Whether [`jump`](Self::jump) is to be called. An observer that hands sights on to another one hands on both.
+    /// Whether [`jump`](Self::jump) is to be called. An observer that hands sights on to others must hand on this
+    /// question and jumps too.
     fn sees_jumps(&self) -> bool {
         false
     }
-    /// Called in a simulation at each instant at which momenta jump: at
+    /// Called in a simulation at each instant of the steps up to its last sight at which momenta jump: at
     /// [impacts](crate::run::simulation::Simulation::collide) and at
     /// [edges](crate::run::simulation::Simulation::over_kinks). It is shown the trajectory right before and right after
     /// the jump. `from` is the last sight, or right after the jump before, if that was later; in between momenta do not

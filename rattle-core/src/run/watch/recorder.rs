@@ -153,7 +153,8 @@ impl<const D: usize> Columns<D> {
     /// before. The start counts as a sight: it is that of all times that it has reached. A time that is less than a
     /// millionth of a step ahead counts as reached, as by
     /// [`run_until`](crate::run::simulation::Simulation::run_until). Times are not met more exactly than the run is
-    /// observed. With a time that is NaN the run ends with [`Error::Recorder`] at its first row.
+    /// observed. A run that goes on from a checkpoint begins with such a sight as well; leave out the times that are
+    /// recorded already. With a time that is NaN the run ends with [`Error::Recorder`] at its first row.
     #[must_use]
     pub fn at_times(mut self, times: impl IntoIterator<Item = f64>) -> Self {
         let mut times = times.into_iter().collect::<Vec<_>>();

@@ -20,8 +20,8 @@ use nalgebra::SVector;
 pub struct Section<Q, const D: usize> {
     quantity: Q,
     crossings: Vec<Crossing<D>>,
-    /// The trajectory right after the last jump since the last sight, and how many steps were taken then.
-    jumped: Option<(u64, Crossing<D>)>,
+    /// The trajectory at the last sight and right after the last jump since then.
+    jumped: Option<[Crossing<D>; 2]>,
 }
 
 /// A crossing of a [`Section`].
@@ -104,9 +104,7 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Section<Q, D> 
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
         match self.jumped.take() {
             // Not that of a run that ended with an error before its next sight.
-            Some((step, after)) if (before.step..now.step).contains(&step) => {
-                self.pass(&after.sight(now), now)
-            }
+            Some([last, after]) if last == Crossing::of(before) => self.pass(&after.sight(now), now),
             _ => self.pass(before, now),
         }
     }
@@ -121,7 +119,12 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Section<Q, D> 
         if (self.quantity)(before) < 0.0 && (self.quantity)(after) >= 0.0 {
             self.crossings.push(there.clone());
         }
-        self.jumped = Some((after.step, there));
+        let from = Crossing::of(from);
+        let last = match self.jumped.take() {
+            Some([last, after]) if after == from => last,
+            _ => from,
+        };
+        self.jumped = Some([last, there]);
     }
 
     fn join(&mut self, mut next: Self) {
