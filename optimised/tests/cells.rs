@@ -2,7 +2,7 @@
 //! `docs/guide/ensembles.md` says so, failures word for word, and the same bits beside any neighbours and by any number
 //! of threads.
 
-use crate::common::SURFACE;
+use crate::common::{SURFACE, bits};
 use rattle::bodies::Count;
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::effect::{Effects, Langevin};
@@ -50,11 +50,6 @@ const MOMENTS: [f64; 3] = [0.6, 0.8, 1.0];
 
 /// More than a row of 64.
 const TRAJECTORIES: usize = 70;
-
-/// Everything a state holds, bit for bit.
-fn bits<const D: usize>(state: &State<D>) -> String {
-    format!("{state:?}")
-}
 
 /// What an error says, numbers to nine digits: places differ by rounding.
 fn words(error: &rattle::Error) -> String {

@@ -193,3 +193,11 @@ macro_rules! debug_as_display {
 }
 
 debug_as_display!(MeshError, FlowError, crate::ReadError);
+
+/// An error unless there is a depth for each of so many vertices.
+pub(crate) fn one_for_each_vertex(depth: &[f64], vertices: usize) -> Result<(), FlowError> {
+    if depth.len() == vertices {
+        return Ok(());
+    }
+    Err(FlowError::Count { what: "depth", found: depth.len(), expected: vertices })
+}

@@ -1,7 +1,7 @@
 //! A flow: terrain, friction, rain, infiltration, and boundary conditions.
 
 use crate::conservative::Conservative;
-use crate::error::FlowError;
+use crate::error::{FlowError, one_for_each_vertex};
 use crate::mesh::{Mesh, centroid, squared};
 use crate::method::Method;
 use crate::simulation::Simulation;
@@ -259,10 +259,7 @@ impl Flow {
         step: f64,
         method: impl FnOnce(&Flow) -> M,
     ) -> Result<Simulation<M>, FlowError> {
-        let expected = self.mesh.points().len();
-        if depth.len() != expected {
-            return Err(FlowError::Count { what: "depth", found: depth.len(), expected });
-        }
+        one_for_each_vertex(&depth, self.mesh.points().len())?;
         if let Resistance::DarcyWeisbach { gravity } = self.resistance {
             number("gravity", gravity, gravity > 0.0, "a positive number")?;
         }

@@ -1,6 +1,6 @@
 //! Meshes of triangles in the plane.
 
-use crate::error::{FlowError, MeshError};
+use crate::error::{FlowError, MeshError, one_for_each_vertex};
 use std::collections::HashMap;
 
 /// A mesh of triangles that meet edge to edge; checked when it is made.
@@ -146,10 +146,7 @@ impl Mesh {
     /// # Errors
     /// [`FlowError::Count`] if the number of depths is not the number of vertices.
     pub fn volume(&self, depth: &[f64]) -> Result<f64, FlowError> {
-        let (found, expected) = (depth.len(), self.points.len());
-        if found != expected {
-            return Err(FlowError::Count { what: "depth", found, expected });
-        }
+        one_for_each_vertex(depth, self.points.len())?;
         Ok(self.volume_of(depth))
     }
     /// The volume of one depth for each vertex.

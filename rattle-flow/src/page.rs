@@ -1,6 +1,6 @@
 //! A web page in one file that shows water moving over the ground.
 
-use crate::error::FlowError;
+use crate::error::{FlowError, one_for_each_vertex};
 use crate::flow::{Flow, checked, number};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use std::fmt::Write;
@@ -57,10 +57,7 @@ impl Page {
     /// [`FlowError::Count`] if the number of depths is not the number of vertices; [`FlowError::Number`] for a time and
     /// [`FlowError::Given`] for a depth that is not finite. The page is then as it was.
     pub fn add(&mut self, time: f64, depth: &[f64]) -> Result<(), FlowError> {
-        let (found, expected) = (depth.len(), self.points.len());
-        if found != expected {
-            return Err(FlowError::Count { what: "depth", found, expected });
-        }
+        one_for_each_vertex(depth, self.points.len())?;
         number("the time on a page", time, true, "a finite number")?;
         checked("depth at vertex", depth, time, f64::NEG_INFINITY, "a finite number")?;
         self.times.push(time);

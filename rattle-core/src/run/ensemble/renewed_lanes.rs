@@ -24,7 +24,7 @@ use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::loops::step;
 use crate::run::ensemble::rhythm::{InRhythm, Rhythm, When};
-use crate::run::ensemble::splitting_lanes::{in_lanes, of_renewal, out_of_lanes};
+use crate::run::ensemble::splitting_lanes::{in_lanes, of_a_kink_ahead, of_renewal, out_of_lanes};
 use crate::run::ensemble::stirred::{LARGER, lead};
 use crate::run::ensemble::stirring::DEVIATIONS;
 use crate::solve::crowd::EVERY;
@@ -182,13 +182,10 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
         bodies.noise = noise(number);
         let start = bodies.saved();
         if let Err(failure) = brownian::step(renewal, h, system, &mut bodies, &mut ()) {
-            if !failure.may_be_of_a_kink() {
-                return Err(failure);
-            }
-            system.put_back(&mut bodies, &start);
-            bodies.noise = noise(number);
-            brownian::coast(renewal, h, system, &mut bodies);
-            return Err(system.check_kinks(&start, &bodies).err().unwrap_or(failure)); // that, if there is one ahead
+            return Err(of_a_kink_ahead(system, &start, &mut bodies, failure, |bodies| {
+                bodies.noise = noise(number);
+                brownian::coast(renewal, h, system, bodies);
+            }));
         }
         system.check_kinks(&start, &bodies)?;
     }

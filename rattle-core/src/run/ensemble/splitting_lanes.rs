@@ -413,26 +413,29 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
             Ok(())
         };
         if let Err(failure) = moved() {
-            return Err(of_a_kink_ahead(system, time * f64::from(parts), &start, &mut bodies, failure));
+            let h = time * f64::from(parts);
+            return Err(of_a_kink_ahead(system, &start, &mut bodies, failure, |bodies| {
+                system.coast(h, bodies)
+            }));
         }
         system.check_kinks(&start, &bodies)?;
     }
     Ok((out_of_lanes(&bodies.all()), bodies.work.to_f64()))
 }
 
-/// Why bodies could not be moved: a kink on their way, if there is one.
-fn of_a_kink_ahead<S: Lane, Y: System<S, D>, const D: usize>(
+/// Why bodies could not be moved from their start: a kink where they would coast, if there is one.
+pub(super) fn of_a_kink_ahead<S: Lane, Y: System<S, D>, const D: usize>(
     system: &Y,
-    h: f64,
     start: &Saved<Y::Count, S, D>,
     bodies: &mut BodiesOf<Y, S, D>,
     failure: Failure,
+    coast: impl FnOnce(&mut BodiesOf<Y, S, D>),
 ) -> Failure {
     if !failure.may_be_of_a_kink() {
         return failure;
     }
     system.put_back(bodies, start);
-    system.coast(h, bodies);
+    coast(bodies);
     system.check_kinks(start, bodies).err().unwrap_or(failure)
 }
 
