@@ -14,7 +14,7 @@ use crate::number::real::Real;
 use crate::number::vector::largest;
 use crate::number::vectors::at;
 use crate::run::ensemble::phase_row::{Each, Laws, Points, ROW, Vector, ZEROS};
-use crate::systems::phase::fibre::{A, B, CONTRACTION, STAGES};
+use crate::systems::phase::fibre::{A, B, CONTRACTION, LEFT, NEARER, ROUNDING, SHRINKS, STAGES};
 
 /// A lane goes on, rests, or goes by itself.
 pub(super) const GOES: f64 = 1.0;
@@ -23,18 +23,6 @@ pub(super) const BY_ITSELF: f64 = -1.0;
 
 /// Passes after which a lane goes by itself.
 const MOST_PASSES: usize = 24;
-
-/// What is left of a change is nothing below this part of it: a sixteenth of a rounding.
-const LEFT: f64 = f64::EPSILON / 16.0;
-
-/// What no longer shrinks is rounding below this part.
-const ROUNDING: f64 = 1e-13;
-
-/// No pass is trusted to shrink what is left by more than this.
-const SHRINKS: f64 = 1e-3;
-
-/// Where stages have begun with those of a nearby slide, they come nearer by at least this factor.
-const NEARER: f64 = 0.25;
 
 /// A slide of each lane.
 pub(super) struct Slide<const D: usize, const M: usize> {

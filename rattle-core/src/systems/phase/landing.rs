@@ -12,7 +12,7 @@ use crate::error::{PhaseFailure, StepFailure};
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
 use crate::solve::aim::{GROWTH, INSIDE, INSIDE_PARTS, LITTLE_OFF, ROUNDINGS, grows_to};
 use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, Part, SHORT_PATH, follow, straight};
-use crate::systems::phase::fibre::slide;
+use crate::systems::phase::fibre::Slides;
 use crate::systems::phase::kept::OfBody;
 use crate::systems::phase::point::{Level, Point, Verlet};
 use crate::systems::phase::step::{Look, NOISE, TURN, not_finite, solve_along, too_far, turn};
@@ -73,9 +73,9 @@ where
     }
 
     /// After the share s of the step and a slide by σ.
-    fn after(&self, s: f64, sigma: &[f64; M]) -> Result<There<D, M>, StepFailure> {
+    fn after(&self, s: f64, sigma: &[f64; M], slides: &mut Slides<D, M>) -> Result<There<D, M>, StepFailure> {
         let (h, start) = (s * self.h, &self.start);
-        let slid = slide(self.constraint, start, sigma).ok_or_else(|| too_far(h))?;
+        let slid = slides.slide(self.constraint, start, sigma).ok_or_else(|| too_far(h))?;
         let kicked = start.plus(&self.low.plus(&slid));
         let step = Verlet::of(self.energy, h, &kicked);
         let step = step.ok_or_else(|| PhaseFailure::ImplicitStep { h, position: start.q.to_vec() })?;
@@ -91,12 +91,12 @@ where
     /// Where g = 0 after the share s of the step, by Newton's iteration from this guess.
     fn land_after(&self, s: f64, guess: [f64; M]) -> Result<Landing<D, M>, StepFailure> {
         let h = s * self.h;
-        let (mut off, mut slopes) = (None, None);
+        let (mut off, mut slopes, mut slides) = (None, None, Slides::new());
         let (sigma, seen) = solve_along(
             h,
             guess,
             |sigma| {
-                let there = self.after(s, sigma)?;
+                let there = self.after(s, sigma, &mut slides)?;
                 off.get_or_insert_with(|| there.level.shares());
                 let Level { value, size, extent, .. } = there.level;
                 Ok(Look { change: there.change, value, size, extent, rest: there })
@@ -193,7 +193,7 @@ where
         powers: [u32; 2],
         noise: &[f64; M],
     ) -> bool {
-        let Ok(there) = self.after(s, sigma) else { return false };
+        let Ok(there) = self.after(s, sigma, &mut Slides::new()) else { return false };
         let inside = there.level.shares();
         let rounding = |j: usize| NOISE * f64::EPSILON + noise[j];
         (0..M).all(|j| !suspect[j] || grows_to(inside[j], off[j], share, powers, rounding(j)))

@@ -8,7 +8,7 @@ use crate::motion::start::{MAX_PROJECTION_STEPS, finite};
 use crate::number::linear::solve;
 use crate::number::vector::{sum, two_sum};
 use crate::solve::nearing::Nearing;
-use crate::systems::phase::fibre::slide;
+use crate::systems::phase::fibre::Slides;
 use crate::systems::phase::kept::InPhaseSpace;
 use crate::systems::phase::point::{Hidden, Level, Point};
 use std::array::from_fn;
@@ -94,8 +94,9 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         H: HamiltonianKernel<f64, D>,
     {
         let (start, low) = (Point::high(body), Point::low(body));
+        let mut slides = Slides::new();
         let look = |sigma: &[f64; M]| {
-            let change = slide(&self.constraint, &start, sigma).ok_or_else(|| too_far(h))?;
+            let change = slides.slide(&self.constraint, &start, sigma).ok_or_else(|| too_far(h))?;
             let at = start.plus(&low.plus(&change));
             let hidden = Hidden::of(&self.constraint, &self.energy, &at, &start.reach(&change));
             let Hidden { value, size, slopes, .. } = hidden;
