@@ -7,11 +7,15 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::checkpoint::{
     Checkpoint, CheckpointError, Data, Field, Record, Save, decode, encode, read, write,
 };
-use rattle::composition::SUZUKI_1990_ORDER_4;
-use rattle::effect::{HardSpheres, Langevin, LinearDrag, SelfPropulsion};
+use rattle::composition::{Coefficients, SUZUKI_1990_ORDER_4};
+use rattle::effect::{Andersen, HardSpheres, Langevin, LinearDrag, SelfPropulsion, Stop, VelocityRescaling};
+use rattle::method::{Failure, Fixed, Map, Witness};
 use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::potentials::LennardJones;
 use rattle::prelude::*;
+use rattle::real::Scalar;
+use rattle::surfaces::Plane;
+use rattle::system::{BodiesOf, System};
 use std::fs;
 use std::path::Path;
 
@@ -226,6 +230,118 @@ fn another_run_is_refused_by_name() {
     refused(&lanes(70), same.ensemble(starts(70), Rattle::new(0.02)).unwrap(), "(method)");
 }
 
+/// A method that is another by one number, which is not the largest.
+fn methods_differ<S: Method>(one: &S, other: &S) {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let alone = |method: &S| scene.simulate(billiard_45(), method.clone()).unwrap();
+    refused(&alone(one), alone(other), "run (method)");
+    alone(one).resume(&alone(one).checkpoint()).unwrap();
+    let lanes = |method: &S| scene.ensemble(vec![billiard_45(); 3], method.clone()).unwrap();
+    refused(&lanes(one), lanes(other), "run (method)");
+    lanes(one).resume(&lanes(one).checkpoint()).unwrap();
+}
+
+/// Steps of a part of h.
+#[derive(Debug, Clone, PartialEq)]
+struct Slower(f64);
+
+impl Map for Slower {
+    const NAME: &'static str = "slower";
+    const ORDER: u32 = 0;
+    const SYMMETRIC: bool = false;
+    fn parameters(&self) -> Vec<f64> {
+        vec![self.0]
+    }
+    fn map<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        h: f64,
+        system: &Y,
+        bodies: &mut BodiesOf<Y, T, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        system.drift(0.0, self.0 * h, bodies, witness)
+    }
+}
+
+#[test]
+fn every_parameter_of_a_method_counts() {
+    let (h, large) = (0.01, 0xFEDC_BA98_7654_3210);
+    let brownian = |friction, temperature, seed| Brownian::new(friction, temperature, seed, h);
+    methods_differ(&brownian(1e6, 0.5, 7), &brownian(1e6, 0.5, 8));
+    methods_differ(&brownian(1.0, 0.5, large), &brownian(1.0, 0.5, large + 1));
+    methods_differ(&brownian(1.0, 0.5, large), &brownian(1.0, 0.5, large ^ 1 << 32));
+    methods_differ(&brownian(1.0, 0.5, large), &brownian(1.0, 0.5 + 1e-6, large));
+    methods_differ(&brownian(1.0, 0.5, large), &Brownian::new(1.0, 0.5, large, h + 1e-9));
+    methods_differ(&Dop853::adaptive(h, 1e-12), &Dop853::adaptive(h, 1e-13));
+    methods_differ(&Taylor::adaptive(8, h, 1e-12), &Taylor::adaptive(8, h, 1e-13));
+    methods_differ(&Taylor::new(8, h), &Taylor::new(9, h));
+    methods_differ(&NoseHoover::new(1e-12, 1.0, h), &NoseHoover::new(2e-12, 1.0, h));
+    methods_differ(&Baoab::with_inner(2, h), &Baoab::with_inner(3, h));
+    methods_differ(&Variable::of(Geodesic::new(2, h), 0.5), &Variable::of(Geodesic::new(3, h), 0.5));
+    methods_differ(&Fixed::of(Slower(0.5), h), &Fixed::of(Slower(0.6), h));
+    let own = |gammas| Coefficients { name: "own", order: 2, gammas };
+    let both = [own(&[0.25, 0.5, 0.25]), own(&[0.2, 0.6, 0.2])];
+    methods_differ(&Composition::new(both[0], h), &Composition::new(both[1], h));
+    let [one, other] = both.map(|of| Composition::of(of, Lobatto::<3>::new(h)));
+    methods_differ(&one, &other);
+}
+
+#[test]
+fn every_parameter_of_an_effect_counts() {
+    macro_rules! differ {
+        ($one:expr, $other:expr, $part:expr) => {
+            let run = |effect| {
+                let scene = Scene::on(SURFACE).with(effect);
+                scene.simulate(billiard_45(), Rattle::new(0.01)).unwrap()
+            };
+            refused(&run($one), run($other), $part);
+            let lanes = |effect| {
+                let scene = Scene::on(SURFACE).with(effect);
+                scene.ensemble(vec![billiard_45(); 3], Rattle::new(0.01)).unwrap()
+            };
+            refused(&lanes($one), lanes($other), $part);
+            run($one).resume(&run($one).checkpoint()).unwrap();
+            lanes($one).resume(&lanes($one).checkpoint()).unwrap();
+        };
+    }
+    let large = 0xFEDC_BA98_7654_3210;
+    let bath = |friction, temperature, seed| Langevin { friction, temperature, seed };
+    differ!(bath(1.0, 0.5, large), bath(1.0, 0.5, large + 1), "flow 0)");
+    differ!(bath(1.0, 0.5, large), bath(1.0 + 1e-6, 0.5, large), "flow 0)");
+    differ!(bath(1.0, 0.5, large), bath(1.0, 0.5 + 1e-6, large), "flow 0)");
+    let collisions = |rate, temperature, seed| Andersen { rate, temperature, seed };
+    differ!(collisions(1.0, 0.5, 7), collisions(1.0, 0.5, 8), "flow 0)");
+    differ!(collisions(1.0, 0.5, 7), collisions(1.1, 0.5, 7), "flow 0)");
+    differ!(collisions(1.0, 0.5, 7), collisions(1.0, 0.6, 7), "flow 0)");
+    let rescaled = |time, temperature, seed| VelocityRescaling { time, temperature, seed };
+    differ!(rescaled(1.0, 0.5, 7), rescaled(1.0, 0.5, 8), "flow 0)");
+    differ!(rescaled(1.0, 0.5, 7), rescaled(1.1, 0.5, 7), "flow 0)");
+    differ!(rescaled(1.0, 0.5, 7), rescaled(1.0, 0.6, 7), "flow 0)");
+    let swims = |turning, seed| SelfPropulsion::new(0.7, turning, seed).headed([[1.0, 0.0, 0.0]]);
+    differ!(swims(0.3, 7), swims(0.3, 8), "flow 0)");
+    differ!(swims(0.3, 7), swims(0.4, 7), "flow 0)");
+    differ!(Tide { g: 1.0, w: 2.0 }, Tide { g: 1.0, w: 3.0 }, "run (effect 0)");
+}
+
+#[test]
+fn every_parameter_of_a_contact_counts() {
+    let free = Scene::points::<3>(3);
+    let plane = |d| Plane { a: 0.0, b: 0.0, c: 1.0, d };
+    macro_rules! differ {
+        ($one:expr, $other:expr) => {
+            let start = || State::of([[0.0, 0.0, 1.0], [2.0, 0.0, 1.0], [4.0, 0.0, 1.0]]);
+            let run =
+                |contacts| free.simulate(start(), Rattle::new(0.01)).unwrap().collide(contacts).unwrap();
+            refused(&run($one), run($other), "run (options)");
+            run($one).resume(&run($one).checkpoint()).unwrap();
+        };
+    }
+    differ!(Stop::above(plane(0.0)), Stop::above(plane(-1e-3)));
+    differ!(Stop::above(plane(0.0)).over([[0], [1]]), Stop::above(plane(0.0)).over([[0], [2]]));
+    differ!(Stop::above(plane(0.0)).restitution(0.5), Stop::above(plane(0.0)).restitution(0.6));
+    differ!(HardSpheres::new(0.5).restitution(0.5), HardSpheres::new(0.5).restitution(0.6));
+}
+
 phase_constraint! {
     /// The three-sphere.
     struct Hopf {}
@@ -379,7 +495,7 @@ fn a_million_changed_files() {
 }
 
 /// A pendulum of polynomials, whose bits are the same on every processor.
-fn pendulum() -> Simulation<impl rattle::system::System<f64, 2>, Rattle, 2> {
+fn pendulum() -> Simulation<impl System<f64, 2>, Rattle, 2> {
     let scene = Scene::on(Pendulum { length: 1.0 }).with(PlanarGravity { g: 1.0 });
     scene.simulate(State::at([0.6, 0.8]), Rattle::new(0.01)).unwrap()
 }

@@ -1,11 +1,14 @@
 //! What a recorder keeps and how it is called in files: times that a run reaches, names that would hide others.
 
-use rattle::Error;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use rattle::links::planar::{Crank, Rod, Slider};
 use rattle::prelude::*;
-use rattle::record::{Stream, Vtu, Xyz};
+use rattle::record::{NpzParts, Parquet, Stream, Vtu, Writer, Xyz};
+use rattle::surfaces::Sphere;
 use rattle::vtu::Series;
 use rattle::watch::{Columns, Recorder, Rows};
-use std::fs;
+use rattle::{Error, data};
+use std::fs::{self, File};
 
 /// A free body from this time on, in so many steps of h, recorded at these times.
 fn rows(start: f64, h: f64, steps: u64, times: &[f64]) -> Vec<f64> {
@@ -107,4 +110,127 @@ fn an_empty_name_is_told() {
     let mut simulation = Scene::points::<3>(1).simulate(State::at([0.0; 3]), Rattle::new(0.1)).unwrap();
     let error = simulation.observe(10, 1, &mut recorder).unwrap_err().to_string();
     assert!(error.contains("an empty one") && !error.contains("again"), "{error}");
+}
+
+/// Trajectories that go one by one hand in blocks of one trajectory each.
+#[test]
+fn vtu_takes_one_trajectory_and_xyz_names_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let recorded = |stream: Stream, number: u16| {
+        let start = |i| State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0 + f64::from(i), 0.0]);
+        let scene = Scene::on(Sphere { r: 1.0 });
+        let mut ensemble = scene.ensemble((0..number).map(start), NoseHoover::new(0.5, 1.0, 0.01)).unwrap();
+        assert_eq!(ensemble.plan().in_lanes, 0);
+        let columns = Columns::<3>::new().positions();
+        let _ = ensemble.observe(20, 10, || Recorder::of(&columns, stream.sink())).finish();
+        stream.finish().map_err(|error| error.to_string())
+    };
+    let vtu = |name: &str| Stream::to(Vtu::create(folder.path().join(name)).unwrap());
+    assert_eq!(recorded(vtu("one"), 1), Ok(2));
+    let error = recorded(vtu("two"), 2).unwrap_err();
+    assert!(error.contains("2 rows were written, then: VTU takes one trajectory"), "{error}");
+    let path = folder.path().join("two.xyz");
+    assert_eq!(recorded(Stream::to(Xyz::create(&path, "X").unwrap()), 2), Ok(4));
+    let text = fs::read_to_string(path).unwrap();
+    assert_eq!(["Trajectory=0", "Trajectory=1"].map(|name| text.matches(name).count()), [2, 2]);
+}
+
+/// Records into a file, of two bodies that are free.
+fn of_two_bodies<const D: usize>(writer: impl Writer, columns: &Columns<D>, steps: u64) -> u64 {
+    let stream = Stream::to(writer);
+    let mut recorder = Recorder::of(columns, stream.sink());
+    let start = State::of([[0.5; D], [0.25; D]]);
+    Scene::points(2).simulate(start, Rattle::new(0.1)).unwrap().observe(steps, 1, &mut recorder).unwrap();
+    recorder.finish().unwrap();
+    stream.finish().unwrap()
+}
+
+/// A number is a number, whatever it is called.
+#[test]
+fn quantities_named_as_vectors_are_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let columns =
+        Columns::<3>::new().positions().quantity("p", |_| 7.0).quantity("constraint_forces", |_| 8.0);
+    assert_eq!(of_two_bodies(Xyz::create(at("run.xyz"), "X").unwrap(), &columns, 3), 3);
+    let text = fs::read_to_string(at("run.xyz")).unwrap();
+    assert_eq!(text.matches("Properties=species:S:1:pos:R:3 pbc").count(), 3);
+    assert_eq!(
+        text.matches(" p=\"7.0\" constraint_forces=\"8.0\"\nX 0.5 0.5 0.5\nX 0.25 0.25 0.25\n").count(),
+        3
+    );
+    assert_eq!(of_two_bodies(Vtu::create(at("run")).unwrap(), &columns, 3), 3);
+    let text = fs::read_to_string(at("run_000002.vtu")).unwrap();
+    assert!(text.contains("0.25") && !text.contains("momentum") && !text.contains("force"), "{text}");
+}
+
+/// On a line too, positions are those of bodies.
+#[test]
+fn bodies_on_a_line_have_positions() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.xyz");
+    let columns = Columns::<1>::new().positions().momenta();
+    of_two_bodies(Xyz::create(&path, "X").unwrap(), &columns, 1);
+    let text = fs::read_to_string(path).unwrap();
+    assert!(text.ends_with("X 0.5 0.0 0.0 0.0 0.0 0.0\nX 0.25 0.0 0.0 0.0 0.0 0.0\n"), "{text}");
+}
+
+/// Columns are known where a sight was, if no row.
+#[test]
+fn files_without_rows_have_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let columns = Columns::<3>::new().positions().energies().quantity("height", |_| 1.0).at_times([1e9]);
+    let [npz, table] = ["run.npz", "run.parquet"].map(at);
+    assert_eq!(of_two_bodies(NpzParts::create(&npz).unwrap(), &columns, 5), 0);
+    let shape = |name: &str| data::read(&npz, &format!("{name}.000000")).unwrap().shape;
+    for name in ["step", "trajectory", "t", "height"] {
+        assert_eq!(shape(name), [0], "{name}");
+    }
+    assert_eq!((shape("q"), shape("energies")), (vec![0, 2, 3], vec![0, 2]));
+    assert_eq!(of_two_bodies(Parquet::create(&table).unwrap(), &columns, 5), 0);
+    let names = |path| {
+        let file = SerializedFileReader::new(File::open(path).unwrap()).unwrap();
+        let about = file.metadata().file_metadata();
+        assert_eq!(about.num_rows(), 0);
+        about.schema_descr().columns().iter().map(|column| column.name().to_string()).collect::<Vec<_>>()
+    };
+    let expected = "step trajectory t q_0_0 q_0_1 q_0_2 q_1_0 q_1_1 q_1_2 energies_0 energies_1 height";
+    assert_eq!(names(&table).join(" "), expected);
+
+    // Without a sight too, what every row has.
+    of_two_bodies(NpzParts::create(&npz).unwrap(), &columns, 0);
+    assert_eq!(shape("trajectory"), [0]);
+    of_two_bodies(Parquet::create(&table).unwrap(), &columns, 0);
+    assert_eq!(names(&table).join(" "), "step trajectory t");
+
+    // In an ensemble some recorders may have rows, and others none.
+    let stream = Stream::to(NpzParts::create(&npz).unwrap());
+    let starts = [0.0, 1.0].map(|time| State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]).at_time(time));
+    let method = NoseHoover::new(0.5, 1.0, 0.01);
+    let mut ensemble = Scene::on(Sphere { r: 1.0 }).ensemble(starts, method).unwrap();
+    let columns = Columns::<3>::new().positions().at_times([0.05]);
+    ensemble.observe(9, 1, || Recorder::of(&columns, stream.sink())).finish().unwrap();
+    assert_eq!(stream.finish().unwrap(), 2);
+    assert_eq!(shape("q"), [1, 1, 3]);
+}
+
+/// What moves by itself has no momentum of its own, and no temperature.
+#[test]
+fn without_freedom_there_is_no_temperature() {
+    let scene = Scene::points(2)
+        .link_moving(Crank { centre: [0.0; 2], radius: 1.0, omega: 2.0, phase: 0.0 }, [[0]])
+        .link(Rod { length: 3.0 }, [[0, 1]])
+        .link(Slider { point: [0.0; 2], direction: [1.0, 0.0] }, [[1]]);
+    let start = scene.project(&State::of([[1.0, 0.0], [4.0, 0.0]])).unwrap();
+    let mut simulation = scene.simulate(start.clone(), Rattle::new(0.01)).unwrap();
+    let columns = Columns::<2>::new().temperature();
+    let mut recorder = Recorder::of(&columns, Rows::default());
+    simulation.observe(20, 1, &mut recorder).unwrap();
+    assert_eq!(simulation.freedom(), 0);
+    assert!(simulation.temperature().is_nan() && simulation.boxed().temperature().is_nan());
+    assert!(recorder.finish().unwrap().numbers.iter().all(|x| x.is_nan()));
+    let mut ensemble = scene.ensemble([start.clone(), start], Rattle::new(0.01)).unwrap();
+    let rows = ensemble.observe(20, 1, || Recorder::of(&columns, Rows::default())).finish().unwrap();
+    assert!(rows.len() == 40 && rows.numbers.iter().all(|x| x.is_nan()), "{:?}", rows.numbers);
 }

@@ -16,6 +16,14 @@ const MODEL: u16 = 1024;
 const GEOGRAPHIC: u16 = 2;
 const PIXEL_IS: u16 = 1025;
 const POINT: u16 = 2;
+const UNITS: u16 = 3076;
+const SIZE_OF_UNIT: u16 = 3077;
+const UNITS_OF_HEIGHTS: u16 = 4099;
+const UNDEFINED: u16 = 0;
+const METRE: u16 = 9001;
+const OF_A_USER: u16 = 32767;
+/// What GDAL says of bands, as XML.
+const METADATA: Tag = Tag::Unknown(42112);
 
 /// Whether a file begins as TIFF does, or as its form for large files.
 pub(crate) fn is_tiff(bytes: &[u8]) -> bool {
@@ -31,6 +39,27 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Raster, ReadError> {
     let key = |wanted| keys.as_chunks::<4>().0.iter().skip(1).find(|key| key[0] == wanted).map(|key| key[3]);
     if key(MODEL) == Some(GEOGRAPHIC) {
         return Err(refused("coordinates in degrees; `gdalwarp -t_srs EPSG:…` puts them into metres"));
+    }
+    let mut is_metre = false;
+    if let (Some(OF_A_USER), Some(place)) = (key(UNITS), key(SIZE_OF_UNIT)) {
+        let numbers = optional(file.get_tag_f64_vec(Tag::GeoDoubleParamsTag))?.unwrap_or_default();
+        is_metre = numbers.get(usize::from(place)) == Some(&1.0);
+    }
+    if let Some(unit) = key(UNITS).filter(|unit| !is_metre && ![METRE, UNDEFINED].contains(unit)) {
+        let unit = named(unit);
+        return Err(refused(&format!(
+            "coordinates in {unit}; `gdalwarp -t_srs EPSG:…` puts them into metres, and leaves heights as they are"
+        )));
+    }
+    if let Some(unit) = key(UNITS_OF_HEIGHTS).filter(|unit| ![METRE, UNDEFINED].contains(unit)) {
+        let unit = named(unit);
+        return Err(refused(&format!(
+            "heights in {unit}; `gdalwarp -t_srs EPSG:…+…`, with a vertical system in metres after the `+`, puts them \
+             into metres"
+        )));
+    }
+    if let Some(metadata) = optional(file.get_tag_ascii_string(METADATA))? {
+        check_band(&metadata)?;
     }
     let scale = optional(file.get_tag_f64_vec(Tag::ModelPixelScaleTag))?;
     let tie = optional(file.get_tag_f64_vec(Tag::ModelTiepointTag))?;
@@ -68,6 +97,53 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Raster, ReadError> {
     Ok(Raster { columns, rows, first, cell: *cell, heights })
 }
 
+/// A unit of length by its number in EPSG.
+fn named(unit: u16) -> String {
+    match unit {
+        9002 => "feet (EPSG:9002)".into(),
+        9003 => "US survey feet (EPSG:9003)".into(),
+        OF_A_USER => "a unit that is none of EPSG".into(),
+        other => format!("the unit EPSG:{other}"),
+    }
+}
+
+/// Refuses heights that are other than the numbers in the file: by a scale, an offset or a unit of the first band.
+fn check_band(metadata: &str) -> Result<(), ReadError> {
+    for item in metadata.split("<Item").skip(1) {
+        let Some((head, rest)) = item.split_once('>') else { continue };
+        let value = rest.split('<').next().unwrap_or("").trim();
+        if attribute(head, "sample") != Some("0") {
+            continue; // of the file as a whole, or of another band
+        }
+        let plain = match attribute(head, "role") {
+            Some("scale") => 1.0,
+            Some("offset") => 0.0,
+            Some("unittype") if ["", "m", "metre", "metres", "meter", "meters"].contains(&value) => continue,
+            Some("unittype") => {
+                return Err(refused(&format!(
+                    "heights in `{value}`; `gdal_calc.py --calc=0.3048*A -A in.tif --outfile=out.tif` puts feet into \
+                     metres"
+                )));
+            }
+            _ => continue,
+        };
+        if value.parse() != Ok(plain) {
+            return Err(refused(&format!(
+                "heights with {} {value}; `gdal_translate -unscale -ot Float64` writes them as they are",
+                if plain == 1.0 { "a scale of" } else { "an offset of" }
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// What stands in quotes after the name of an attribute.
+fn attribute<'a>(head: &'a str, name: &str) -> Option<&'a str> {
+    let (_, rest) = head.split_once(&format!(" {name}="))?;
+    let quote = rest.chars().next().filter(|quote| ['"', '\''].contains(quote))?;
+    rest[1..].split(quote).next()
+}
+
 fn refused(what: &str) -> ReadError {
     ReadError::GeoTiff { what: what.into() }
 }
@@ -82,5 +158,83 @@ fn optional<T>(tag: Result<T, TiffError>) -> Result<Option<T>, ReadError> {
         Ok(value) => Ok(Some(value)),
         Err(TiffError::FormatError(TiffFormatError::RequiredTagNotFound(_))) => Ok(None),
         Err(error) => Err(wrong(error)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
+
+    /// Two rows of three heights with these keys, of which sizes of units stand in `numbers`, and with what GDAL says.
+    fn file(keys: &[[u16; 2]], numbers: &[f64], metadata: &str) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        let mut file = TiffEncoder::new(&mut bytes).unwrap();
+        let mut image = file.new_image::<Gray32Float>(3, 2).unwrap();
+        let mut list = vec![1, 1, 0, keys.len() as u16];
+        for &[key, value] in keys {
+            let (place, count) = if key == 3077 { (34736, 1) } else { (0, 1) };
+            list.extend([key, place, count, value]);
+        }
+        let to = image.encoder();
+        to.write_tag(Tag::GeoKeyDirectoryTag, &list[..]).unwrap();
+        to.write_tag(Tag::ModelPixelScaleTag, &[10.0, 10.0, 0.0][..]).unwrap();
+        to.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, 500.0, 700.0, 0.0][..]).unwrap();
+        if !numbers.is_empty() {
+            to.write_tag(Tag::GeoDoubleParamsTag, numbers).unwrap();
+        }
+        if !metadata.is_empty() {
+            to.write_tag(Tag::Unknown(42112), metadata).unwrap();
+        }
+        image.write_data(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
+        bytes.into_inner()
+    }
+
+    fn item(attributes: &str, value: &str) -> String {
+        format!("<GDALMetadata>\n  <Item name=\"X\" {attributes}>{value}</Item>\n</GDALMetadata>\n")
+    }
+
+    #[test]
+    fn metres_are_read() {
+        for keys in [&[][..], &[[3076, 9001], [4099, 9001]], &[[3076, 0], [4099, 0]]] {
+            assert_eq!(parse(&file(keys, &[], "")).unwrap().height([505.0, 695.0]), 1.0, "{keys:?}");
+        }
+        // A unit of a user that is one metre; the key says where its size stands.
+        let of_a_user = [[3076, 32767], [3077, 1]];
+        assert!(parse(&file(&of_a_user, &[7.0, 1.0], "")).is_ok());
+        let plain = [
+            item("sample=\"0\" role=\"scale\"", "1"),
+            item("sample=\"0\" role=\"offset\"", " 0.0 "),
+            item("sample=\"0\" role=\"unittype\"", "metre"),
+            item("sample=\"1\" role=\"scale\"", "0.1"), // of a band that is not there
+            item("", "0.1"),
+            "<Item sample=\"0\" role=\"scale".into(),
+        ];
+        for metadata in plain {
+            assert!(parse(&file(&[], &[], &metadata)).is_ok(), "{metadata}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_in_metres_is_refused_with_advice() {
+        let told = |file: Vec<u8>, words: [&str; 2]| {
+            let error = parse(&file).unwrap_err();
+            assert!(matches!(error, ReadError::GeoTiff { .. }));
+            assert!(words.iter().all(|words| error.to_string().contains(words)), "{error}");
+        };
+        let keys = |keys: &[[u16; 2]], size: f64| file(keys, &[size], "");
+        told(keys(&[[3076, 9003]], 1.0), ["coordinates in US survey feet", "`gdalwarp -t_srs EPSG:…`"]);
+        told(keys(&[[3076, 9036]], 1.0), ["coordinates in the unit EPSG:9036", "`gdalwarp"]);
+        told(keys(&[[3076, 32767]], 1.0), ["none of EPSG", "`gdalwarp"]);
+        told(keys(&[[3076, 32767], [3077, 0]], 0.3), ["none of EPSG", "`gdalwarp"]);
+        let metres = [3076, 9001];
+        told(keys(&[metres, [4099, 9002]], 1.0), ["heights in feet (EPSG:9002)", "`gdalwarp"]);
+        told(keys(&[metres, [4099, 32767]], 1.0), ["heights in a unit that is none", "`gdalwarp"]);
+        let band =
+            |role: &str, value: &str| file(&[], &[], &item(&format!("sample=\"0\" role=\"{role}\""), value));
+        told(band("scale", "0.1"), ["a scale of 0.1", "`gdal_translate -unscale"]);
+        told(band("offset", "1000"), ["an offset of 1000", "`gdal_translate -unscale"]);
+        told(band("scale", "much"), ["a scale of much", "`gdal_translate -unscale"]);
+        told(band("unittype", "ft"), ["heights in `ft`", "`gdal_calc.py"]);
     }
 }

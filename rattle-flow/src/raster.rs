@@ -4,6 +4,9 @@ use crate::mesh::Mesh;
 use crate::read::{ReadError, Words, bytes, text};
 use std::path::Path;
 
+/// The height of cells without data in an ASCII grid that names none (ESRI, ASCII raster format).
+const NONE: f64 = -9999.0;
+
 /// Heights at the centres of square cells. A cell without data has the height NaN.
 #[doc(alias = "DEM")]
 #[doc(alias = "terrain")]
@@ -21,7 +24,8 @@ pub struct Raster {
 
 impl Raster {
     /// Reads a file: an ASCII grid, or with the feature `geotiff` a GeoTIFF of one band, north up, on square cells in
-    /// metres.
+    /// metres. A GeoTIFF that names other units, or a scale or an offset of heights, is refused; one that names no
+    /// units counts as in metres.
     ///
     /// # Errors
     /// [`ReadError`], for an ASCII grid with the number of the line.
@@ -35,7 +39,8 @@ impl Raster {
         Raster::parse(&text(path, bytes)?)
     }
 
-    /// Reads an ASCII grid from the text of a file.
+    /// Reads an ASCII grid from the text of a file. Cells of the height `NODATA_value` are without data; where the file
+    /// does not name it, this is −9999, as ESRI defines it.
     ///
     /// ```
     /// use rattle_flow::Raster;
@@ -52,7 +57,7 @@ impl Raster {
     pub fn parse(text: &str) -> Result<Raster, ReadError> {
         let mut words = Words::of(text);
         let (mut columns, mut rows, mut cell) = (None, None, None);
-        let (mut x, mut y, mut none) = (None, None, None);
+        let (mut x, mut y, mut none) = (None, None, NONE);
         let start = loop {
             let Some(word) = words.next() else { return Err(words.wrong("heights", "")) };
             match word.to_ascii_lowercase().as_str() {
@@ -63,7 +68,7 @@ impl Raster {
                 "yllcorner" => y = Some((words.number::<f64>("a coordinate")?, 0.5)),
                 "xllcenter" => x = Some((words.number::<f64>("a coordinate")?, 0.0)),
                 "yllcenter" => y = Some((words.number::<f64>("a coordinate")?, 0.0)),
-                "nodata_value" => none = Some(words.number::<f64>("the height that is none")?),
+                "nodata_value" => none = words.number::<f64>("the height that is none")?,
                 _ => break word,
             }
         };
@@ -83,7 +88,7 @@ impl Raster {
         for i in 0..count {
             let word = if i == 0 { start } else { words.next().unwrap_or("") };
             let height: f64 = word.parse().map_err(|_| words.wrong("a height", word))?;
-            heights.push(if Some(height) == none { f64::NAN } else { height });
+            heights.push(if height == none { f64::NAN } else { height });
         }
         if let Some(word) = words.next() {
             return Err(words.wrong("the end of the file", word));

@@ -101,6 +101,11 @@ fn a_raster_is_a_terrain_and_a_mesh() {
         ReadError::Word { line, .. } => line,
         other => panic!("{other}"),
     };
+    let unnamed = Raster::parse(&text.replace("NODATA_value -9999\n", "")).unwrap();
+    assert_eq!(unnamed.mesh().unwrap().1, heights, "-9999 is the height of no data where none is named");
+    let zero = Raster::parse(&text.replace("NODATA_value -9999", "nodata_value 0")).unwrap();
+    assert!(zero.height([100.0, 200.0]).is_nan() && zero.height([130.0, 220.0]) == -9999.0);
+
     assert_eq!(line(&text.replace("-9999\n", "high\n").replacen("high", "-9999", 1)), 7);
     assert!(matches!(
         Raster::parse(&text.replace("cellsize 5", "")),

@@ -18,7 +18,8 @@ const NUMBERS: usize = 1 << 20;
 
 /// A table with the columns `step`, `trajectory` and `t`, and one for each recorded number: `height`, or `q_0_2` for an
 /// entry of an array (for positions: body 0, coordinate 2). For long tables with few columns; for many bodies take
-/// [`NpzParts`](super::NpzParts). The file is readable after [`Stream::finish`](super::Stream::finish).
+/// [`NpzParts`](super::NpzParts). The file is readable after [`Stream::finish`](super::Stream::finish),
+/// and has its columns also where no row was recorded.
 #[doc(alias = "pandas")]
 #[doc(alias = "csv")]
 #[doc(alias = "table")]

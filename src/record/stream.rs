@@ -14,7 +14,7 @@ const WAITING: usize = 16;
 
 /// A file format: writes blocks of rows.
 pub trait Writer: Send + 'static {
-    /// Writes a block.
+    /// Writes a block. One without rows has the columns of a run in which none was recorded.
     ///
     /// # Errors
     /// Those of the file system; after an error nothing more is written.
@@ -113,6 +113,12 @@ pub(super) fn wrong(what: impl Into<Box<dyn std::error::Error + Send + Sync>>) -
     io::Error::new(io::ErrorKind::InvalidInput, what)
 }
 
+/// Whether a column has a vector for each body, as positions do. A quantity may be called as one that has.
+pub(super) fn is_as_positions(rows: &Rows, name: &str) -> bool {
+    let shape = |name| rows.column(name).map(|column| &column.shape);
+    shape(name).is_some_and(|of_name| Some(of_name) == shape("q"))
+}
+
 fn write_all(mut writer: impl Writer, receiver: &Receiver<Told>) -> Result<u64, StreamError> {
     let mut written = 0;
     loop {
@@ -175,13 +181,16 @@ impl Sink for Handed {
 }
 
 /// A NumPy archive written in parts: for each block of rows the arrays `step`, `trajectory`, `t` and one for each
-/// column, each with the number of the block after its name. The file is readable after [`Stream::finish`].
+/// column, each with the number of the block after its name. Without rows there is one block of arrays of length 0. The
+/// file is readable after [`Stream::finish`].
 #[doc(alias = "numpy")]
 #[doc(alias = "npz")]
 #[derive(Debug)]
 pub struct NpzParts {
     npz: Option<Npz>,
     parts: usize,
+    /// Of a run in which no row was recorded.
+    empty: Rows,
 }
 
 impl NpzParts {
@@ -190,12 +199,12 @@ impl NpzParts {
     /// # Errors
     /// [`DataError::Io`].
     pub fn create(path: impl AsRef<Path>) -> Result<Self, DataError> {
-        Ok(Self { npz: Some(Npz::create(path)?), parts: 0 })
+        Ok(Self { npz: Some(Npz::create(path)?), parts: 0, empty: Rows::default() })
     }
 }
 
-impl Writer for NpzParts {
-    fn write(&mut self, rows: &Rows) -> io::Result<()> {
+impl NpzParts {
+    fn write_part(&mut self, rows: &Rows) -> io::Result<()> {
         let part = self.parts;
         self.parts += 1;
         let name = |column: &str| format!("{column}.{part:06}");
@@ -216,17 +225,31 @@ impl Writer for NpzParts {
         self.npz = Some(npz);
         Ok(())
     }
+}
 
-    fn finish(self) -> io::Result<()> {
+impl Writer for NpzParts {
+    fn write(&mut self, rows: &Rows) -> io::Result<()> {
+        if rows.is_empty() {
+            self.empty = rows.clone();
+            return Ok(());
+        }
+        self.write_part(rows)
+    }
+
+    fn finish(mut self) -> io::Result<()> {
+        if self.parts == 0 {
+            let empty = std::mem::take(&mut self.empty);
+            self.write_part(&empty)?;
+        }
         self.npz.map_or(Ok(()), |npz| npz.finish().map_err(io::Error::other))
     }
 }
 
 /// Extended XYZ: one frame for each row, with the positions of the bodies and, if they were recorded, their momenta.
 /// Bodies have one to three coordinates; missing ones are written as 0. The second line of a frame has the time, step,
-/// trajectory and the other numbers of the row. These are called as they were recorded, with `_` for blanks, `=` and
-/// `"`. A quantity called as a key of the format itself is refused: `Lattice`, `Properties`, `pbc`, `Time`, `Step` or
-/// `Trajectory`; so are two of one name.
+/// trajectory and the other numbers of the row; a quantity of one's own called `p` is one of these. They are called as
+/// they were recorded, with `_` for blanks, `=` and `"`. A quantity called as a key of the format itself is refused:
+/// `Lattice`, `Properties`, `pbc`, `Time`, `Step` or `Trajectory`; so are two of one name.
 #[doc(alias = "ovito")]
 #[doc(alias = "dump")]
 #[derive(Debug)]
@@ -276,9 +299,11 @@ impl<W: Write + Send + 'static> Writer for Xyz<W> {
             return Err(wrong("extended XYZ has three coordinates at most"));
         }
         let mut vectors = vec![rows.numbers("q").collect::<Vec<_>>()];
-        vectors.extend(rows.column("p").map(|_| rows.numbers("p").collect()));
-        let momenta = if vectors.len() > 1 { ":momenta:R:3" } else { "" };
-        let others = rows.columns.iter().filter(|column| !["q", "p"].contains(&&*column.name));
+        let has_momenta = is_as_positions(rows, "p");
+        vectors.extend(has_momenta.then(|| rows.numbers("p").collect()));
+        let momenta = if has_momenta { ":momenta:R:3" } else { "" };
+        let is_vector = |name: &str| name == "q" || has_momenta && name == "p";
+        let others = rows.columns.iter().filter(|column| !is_vector(&column.name));
         let key = |name: &str| name.replace(|c: char| c.is_whitespace() || "=\"".contains(c), "_");
         let others = others.map(|column| (key(&column.name), rows.numbers(&column.name).collect::<Vec<_>>()));
         let others = others.collect::<Vec<_>>();

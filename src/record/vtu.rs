@@ -1,6 +1,6 @@
 //! Particles for ParaView: a `.vtu` file for each row, and a `.pvd` file with their times.
 
-use super::stream::{Writer, wrong};
+use super::stream::{Writer, is_as_positions, wrong};
 use crate::vtu::{Cells, Field, Series, text};
 use crate::watch::Rows;
 use std::io;
@@ -14,6 +14,8 @@ use std::path::Path;
 #[derive(Debug)]
 pub struct Vtu {
     series: Series,
+    /// The number of the trajectory, from the first row.
+    trajectory: Option<u64>,
 }
 
 impl Vtu {
@@ -22,7 +24,7 @@ impl Vtu {
     /// # Errors
     /// What the system says; a path without a file's name, or with one that is not Unicode.
     pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
-        Ok(Self { series: Series::create(path)? })
+        Ok(Self { series: Series::create(path)?, trajectory: None })
     }
 
     /// Adds a grid that does not move, such as the surface. `text` is the content of its file, `name_what.vtu`: for a
@@ -45,13 +47,19 @@ impl Writer for Vtu {
         if coordinates > 3 {
             return Err(wrong("VTU has three coordinates at most"));
         }
-        if rows.trajectories.iter().any(|&trajectory| trajectory != rows.trajectories[0]) {
-            return Err(wrong("VTU takes one trajectory"));
+        for &other in &rows.trajectories {
+            let one = *self.trajectory.get_or_insert(other);
+            if other != one {
+                return Err(wrong(format!(
+                    "VTU takes one trajectory, found {one} and {other}; give each a recorder and a file of its own"
+                )));
+            }
         }
         let in_space = |name| {
             let vector = |v: &[f64]| std::array::from_fn(|i| v.get(i).copied().unwrap_or(0.0));
             let of_row = move |row: &[f64]| row.chunks_exact(coordinates).map(vector).collect();
-            rows.numbers(name).map(of_row).collect::<Vec<Vec<[f64; 3]>>>()
+            let vectors = rows.numbers(name).filter(|_| is_as_positions(rows, name));
+            vectors.map(of_row).collect::<Vec<Vec<[f64; 3]>>>()
         };
         let (places, momenta, forces) = (in_space("q"), in_space("p"), in_space("constraint_forces"));
         for row in 0..rows.len() {

@@ -2,6 +2,7 @@
 
 use crate::effect::flow::Flow;
 use crate::effect::interval::{Interval, Rule};
+use crate::effect::noise::halves;
 use crate::error::EffectMistake;
 use crate::number::real::Real;
 use crate::number::vector::add_scaled;
@@ -52,6 +53,11 @@ impl<const D: usize> Flow<D> for Andersen {
                 *change = add_scaled(&during.normal(self.seed, body, self.temperature), T::from_f64(-1.0), p);
             }
         }
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        let [high, low] = halves(self.seed);
+        vec![self.rate, self.temperature, high, low]
     }
 
     fn check(&self, _: usize) -> Result<(), EffectMistake> {

@@ -94,6 +94,12 @@ pub trait Flow<const D: usize>: Clone + Send + Sync + 'static {
         false
     }
 
+    /// Parameters that tell the flow from others of its type, where its changes of momenta in a short time need not: a
+    /// rate of rare events, or what decides its memory. A checkpoint is refused where these numbers differ.
+    fn parameters(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Checks the parameters, before a run with this number of bodies.
     ///
     /// # Errors
@@ -140,6 +146,9 @@ impl<T: Real, F: Flow<D>, const D: usize> Acting<T, D> for ActsByFlow<F> {
     }
     fn manner(&self) -> Manner {
         Manner { rule: F::RULE, feels: F::FEELS_FORCES, pushes: false }
+    }
+    fn parameters(&self) -> Vec<f64> {
+        self.0.parameters()
     }
     #[inline(always)]
     fn flow(&self, during: &Interval<'_, T, D>, (): &mut (), changes: &mut [[T; D]]) {

@@ -82,6 +82,10 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn manner(&self, _number: usize) -> (Manner, &'static str) {
         (Manner { rule: Rule::Symmetric, feels: false, pushes: false }, "")
     }
+    /// The [parameters](Acting::parameters) of flow number `number`.
+    fn parameters(&self, _number: usize) -> Vec<f64> {
+        Vec::new()
+    }
     /// Writes the changes of the momenta by flow number `number`.
     fn flow(
         &self,
@@ -282,6 +286,9 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     }
     fn manner(&self, number: usize) -> (Manner, &'static str) {
         if number < F::FLOWS { self.others.manner(number) } else { (self.effect.manner(), self.name) }
+    }
+    fn parameters(&self, number: usize) -> Vec<f64> {
+        if number < F::FLOWS { self.others.parameters(number) } else { self.effect.parameters() }
     }
     #[inline(always)]
     fn flow(

@@ -2,6 +2,11 @@
 
 use crate::number::philox::{normal, philox, unit};
 
+/// A seed as two numbers of 32 bits each, which lose none.
+pub(crate) fn halves(seed: u64) -> [f64; 2] {
+    [(seed >> 32) as f64, (seed & 0xFFFF_FFFF) as f64]
+}
+
 /// The source of random numbers: a function of a seed and of *when* they are drawn. So they are the same for any number
 /// of threads, with any other trajectories, and after a restart.
 ///

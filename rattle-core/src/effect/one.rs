@@ -127,6 +127,10 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn manner(&self) -> Manner {
         Manner { rule: Rule::Symmetric, feels: false, pushes: Self::PUSHES }
     }
+    /// Parameters of the flow, as [`Flow::parameters`](crate::effect::Flow::parameters).
+    fn parameters(&self) -> Vec<f64> {
+        Vec::new()
+    }
     /// Writes the changes of the momenta, as [`Flow::flow`](crate::effect::Flow::flow).
     fn flow(&self, _during: &Interval<'_, T, D>, _room: &mut Self::Room, changes: &mut [[T; D]]) {
         changes.fill([T::from_f64(0.0); D]);

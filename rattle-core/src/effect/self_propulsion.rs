@@ -2,7 +2,7 @@
 
 use crate::effect::interval::{Interval, Manner, Rule};
 use crate::effect::moment::Moment;
-use crate::effect::noise::Noise;
+use crate::effect::noise::{Noise, halves};
 use crate::effect::one::{Acting, Effect};
 use crate::error::{EffectMistake, Error};
 use crate::number::lanes::Lane;
@@ -167,6 +167,10 @@ impl<T: Real, const D: usize> Acting<T, D> for ActsBySelf<D> {
         }
     }
 
+    fn parameters(&self) -> Vec<f64> {
+        let [high, low] = halves(self.0.seed);
+        vec![self.0.force, self.0.turning, high, low]
+    }
     fn manner(&self) -> Manner {
         Manner { rule: Rule::Random, feels: false, pushes: true }
     }

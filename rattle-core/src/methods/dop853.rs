@@ -99,6 +99,9 @@ impl Method for Dop853 {
     fn tolerance(&self) -> Option<f64> {
         self.tolerance
     }
+    fn parameters(&self) -> Vec<f64> {
+        self.tolerance.into_iter().collect()
+    }
     fn with_tolerance_times(&self, factor: f64) -> Option<Self> {
         self.tolerance.map(|tolerance| Self { tolerance: Some(tolerance * factor), ..*self })
     }

@@ -77,6 +77,11 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
         Vec::new()
     }
 
+    /// As [`Method::parameters`], beside what the [stages](Self::stages) say.
+    fn parameters(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// As [`Method::finer`].
     fn finer(&self, _times: u32) -> Option<Self> {
         None
@@ -175,6 +180,9 @@ impl<M: Map> Method for Fixed<M> {
     const SPLITTING: Splitting = M::SPLITTING;
     fn stages(&self) -> Vec<Stage> {
         self.map.stages(self.h)
+    }
+    fn parameters(&self) -> Vec<f64> {
+        self.map.parameters()
     }
     fn check(&self, equations: usize) -> Result<(), Error> {
         self.map.check(equations)?;

@@ -112,6 +112,9 @@ impl Method for Taylor {
     fn tolerance(&self) -> Option<f64> {
         self.tolerance
     }
+    fn parameters(&self) -> Vec<f64> {
+        std::iter::once(f64::from(self.order)).chain(self.tolerance).collect()
+    }
     fn with_tolerance_times(&self, factor: f64) -> Option<Self> {
         self.tolerance.map(|tolerance| Self { tolerance: Some(tolerance * factor), ..*self })
     }

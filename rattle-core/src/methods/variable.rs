@@ -33,7 +33,7 @@ use crate::methods::rattle;
 use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::Newton;
-use crate::motion::method::{Method, View};
+use crate::motion::method::{Method, Stage, View};
 use crate::motion::need::{Steps, WithRates};
 use crate::motion::parts::BodiesOf;
 use crate::motion::system::System;
@@ -151,7 +151,7 @@ impl<B: Method> Method for Variable<B> {
     }
 
     fn parameters(&self) -> Vec<f64> {
-        vec![self.tau]
+        [vec![self.tau], self.base.parameters(), Stage::numbers(&self.base.stages())].concat()
     }
 
     fn prepare<T: Scalar, Y: System<T, D>, const D: usize>(

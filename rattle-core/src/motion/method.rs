@@ -19,6 +19,7 @@
 //! `Composition::new(coefficients, h)`, `Composition::of(coefficients, base)`, `Geodesic::new(inner, h)`,
 //! `Taylor::adaptive(order, h, tolerance)`, `Variable::of(base, tau)`.
 
+use crate::effect::noise::halves;
 use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::error::Error;
 use crate::motion::failure::Failure;
@@ -250,6 +251,12 @@ pub struct Renewal {
 }
 
 impl Renewal {
+    /// All of it as numbers that lose no bit.
+    pub(crate) fn numbers(&self) -> [f64; 4] {
+        let [high, low] = halves(self.seed);
+        [self.deviation, self.kick, high, low]
+    }
+
     /// What forgets momenta and draws others, as a process.
     pub(crate) fn process(&self) -> OrnsteinUhlenbeck {
         OrnsteinUhlenbeck { lost: -1.0, variance: self.deviation * self.deviation, seed: self.seed }

@@ -264,7 +264,7 @@ impl<'a> Reading<'a> {
     /// # Errors
     /// [`RecordMistake::Another`] names the first that differs.
     pub fn same(&mut self, here: &[Hallmark]) -> Result<(), Error> {
-        for Hallmark { part, name, numbers } in here {
+        for Hallmark { part, name, numbers, apart } in here {
             let another = |file: String, here: String| {
                 Err(Error::Record(RecordMistake::Another { part: part.clone(), file, here }))
             };
@@ -279,7 +279,7 @@ impl<'a> Reading<'a> {
                 return another(format!("{name} without numbers"), name.clone());
             };
             self.rest = rest;
-            if let Some(i) = first_other(its, numbers) {
+            if let Some(i) = first_other(its, numbers, *apart) {
                 let one = |all: &[f64]| match all.get(i) {
                     Some(x) => format!("{name} with {x:?}"),
                     None => format!("{name} of {} numbers", all.len()),
@@ -316,12 +316,20 @@ pub struct Hallmark {
     pub name: String,
     /// Its parameters, or its values at and near the positions in the record.
     pub numbers: Vec<f64>,
+    /// Whether each number is compared by its own size, as parameters are, and not by that of the largest, beside which
+    /// the others of a vector may be roundings.
+    pub apart: bool,
 }
 
 impl Hallmark {
-    /// The hallmark of this part.
+    /// The hallmark of this part by values of its functions.
     pub fn new(part: impl Into<String>, name: impl Into<String>, numbers: Vec<f64>) -> Self {
-        Self { part: part.into(), name: name.into(), numbers }
+        Self { part: part.into(), name: name.into(), numbers, apart: false }
+    }
+
+    /// The hallmark of this part by its parameters.
+    pub fn of_parameters(part: impl Into<String>, name: impl Into<String>, numbers: Vec<f64>) -> Self {
+        Self { apart: true, ..Self::new(part, name, numbers) }
     }
 
     /// Writes the fields that [`Reading::same`] compares.
@@ -331,11 +339,14 @@ impl Hallmark {
     }
 }
 
-/// The first number that is not the same but for rounding; of lists of different lengths the first that is missing.
-fn first_other(a: &[f64], b: &[f64]) -> Option<usize> {
+/// The first number that is not the same but for rounding, of itself or of the largest; of lists of different lengths
+/// the first that is missing.
+fn first_other(a: &[f64], b: &[f64], apart: bool) -> Option<usize> {
     let finite = a.iter().chain(b).filter(|x| x.is_finite());
     let largest = finite.fold(0.0_f64, |most, x| most.max(x.abs()));
-    let same = |(a, b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan()) || (a - b).abs() <= SAME * largest;
+    let size = |a: f64, b: f64| if apart { a.abs().max(b.abs()) } else { largest };
+    let near = |a: f64, b: f64| (a - b).is_finite() && (a - b).abs() <= SAME * size(a, b);
+    let same = |(&a, &b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan()) || near(a, b);
     let other = a.iter().zip(b).position(|pair| !same(pair));
     other.or((a.len() != b.len()).then(|| a.len().min(b.len())))
 }
@@ -381,8 +392,13 @@ mod tests {
 
     #[test]
     fn numbers_that_are_none_are_the_same() {
-        assert_eq!(first_other(&[f64::NAN, 1.0], &[f64::NAN, 1.0]), None);
-        assert_eq!(first_other(&[f64::INFINITY, 1.0], &[f64::INFINITY, 2.0]), Some(1));
-        assert_eq!(first_other(&[1.0], &[f64::NAN]), Some(0));
+        for apart in [false, true] {
+            assert_eq!(first_other(&[f64::NAN, 1.0], &[f64::NAN, 1.0], apart), None);
+            assert_eq!(first_other(&[f64::INFINITY, 1.0], &[f64::INFINITY, 2.0], apart), Some(1));
+            assert_eq!(first_other(&[1.0], &[f64::NAN], apart), Some(0));
+        }
+        assert_eq!(first_other(&[f64::INFINITY], &[1.0], true), Some(0));
+        assert_eq!(first_other(&[1e9, 1.0], &[1e9, 1.01], false), None);
+        assert_eq!(first_other(&[1e9, 1.0], &[1e9, 1.01], true), Some(1));
     }
 }

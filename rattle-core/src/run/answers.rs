@@ -100,7 +100,7 @@ pub(in crate::run) fn rates<Y: System<f64, D>, const D: usize>(
 }
 
 /// kT: twice the kinetic energy, without that which moving constraints impose, by the number of independent momenta;
-/// NaN where there are no masses.
+/// NaN where there are no masses, and where no momenta are independent.
 pub(in crate::run) fn temperature<Y: System<f64, D>, const D: usize>(
     system: &Y,
     bodies: &BodiesOf<Y, f64, D>,
@@ -109,7 +109,13 @@ pub(in crate::run) fn temperature<Y: System<f64, D>, const D: usize>(
         return f64::NAN;
     }
     let own = system.kinetic_energy(bodies) - imposed_energy(system, bodies);
-    2.0 * own / system.freedom(bodies) as f64
+    heat_of_each(own, system.freedom(bodies))
+}
+
+/// Twice this kinetic energy by so many independent momenta; NaN where there are none, since their energy is a
+/// rounding.
+pub(in crate::run) fn heat_of_each(kinetic: f64, freedom: usize) -> f64 {
+    if freedom == 0 { f64::NAN } else { 2.0 * kinetic / freedom as f64 }
 }
 
 /// The part of the kinetic energy that constraints which move impose.

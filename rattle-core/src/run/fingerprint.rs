@@ -2,7 +2,9 @@
 //!
 //! The code of an expression cannot be compared at run time, but its values can. Masses, constraints, energies and each
 //! effect alone are evaluated at positions that differ from those of the record by pseudo-random steps of a thousandth,
-//! so that g is not zero there. So parameters, expressions, masses, pins and the order of effects all count.
+//! so that g is not zero there, and somewhat later, so that what changes with time counts at time 0 as well. So
+//! parameters, expressions, masses, pins and the order of effects all count. What such values need not show is compared
+//! by itself: parameters of methods, contacts and [flows](crate::effect::Flow::parameters).
 
 use crate::effect::list::Forces;
 use crate::effect::noise::Noise;
@@ -11,9 +13,11 @@ use crate::motion::method::{Method, Stage};
 use crate::motion::parts::Given;
 use crate::motion::record::{Hallmark, short_name};
 use crate::motion::system::System;
+use crate::number::real::Real;
 use std::any::type_name;
 
-/// It is looked beside a place by so much of the largest coordinate, or of 1.
+/// It is looked beside a place by so much of the largest coordinate, or of 1; and after a time by so much of it, or of
+/// 1.
 const BESIDE: f64 = 1e-3;
 
 /// Places and momenta beside these.
@@ -40,7 +44,8 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     time: f64,
 ) -> Vec<Hallmark> {
     let n = places.len();
-    let mut bodies = system.bodies(&beside(places), time);
+    let later = time + BESIDE * time.abs().max(1.0);
+    let mut bodies = system.bodies(&beside(places), later);
     let equations = system.equations();
     let sizes = vec![n as f64, D as f64, equations as f64, Y::EFFECTS as f64, Y::FLOWS as f64];
     let mut marks = vec![Hallmark::new("system", system.kind(), sizes)];
@@ -77,7 +82,18 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
         let name = format!("{} ({manner:?})", short_name(name));
         marks.push(Hallmark::new(format!("flow {number}"), name, changes.as_flattened().to_vec()));
     }
+    marks.extend((0..Y::FLOWS).filter_map(|number| of_flow(number, system.effects())));
     marks
+}
+
+/// The parameters of a flow that its changes of momenta need not show, if it names some.
+pub(in crate::run) fn of_flow<T: Real, const D: usize>(
+    number: usize,
+    effects: &impl Forces<T, D>,
+) -> Option<Hallmark> {
+    let (parameters, name) = (effects.parameters(number), short_name(effects.manner(number).1));
+    let part = format!("parameters of flow {number}");
+    (!parameters.is_empty()).then(|| Hallmark::of_parameters(part, name, parameters))
 }
 
 /// As [`of_system`], of a lane. Momenta are left out: in lanes they run ahead by a kick, so that another force would be
@@ -105,13 +121,14 @@ pub(in crate::run) fn of_effect(number: usize, name: Option<&str>, forces: Vec<f
 pub(in crate::run) fn of_options(options: &[(&str, f64)]) -> Hallmark {
     let names: Vec<_> = options.iter().map(|option| option.0).collect();
     let names = if names.is_empty() { "none".into() } else { names.join(", ") };
-    Hallmark::new("options", names, options.iter().map(|option| option.1).collect())
+    Hallmark::of_parameters("options", names, options.iter().map(|option| option.1).collect())
 }
 
-/// A method, with its step size and parameters.
+/// A method, with its step size and parameters, and the random numbers that it draws.
 pub(in crate::run) fn of_method<S: Method>(method: &S) -> Hallmark {
     let name = format!("{} ({})", method.name(), short_name(type_name::<S>()));
     let (parameters, stages) = (method.parameters(), Stage::numbers(&method.stages()));
-    let numbers = [&[method.step_size()], &parameters[..], &stages].concat();
-    Hallmark::new("method", name, numbers)
+    let drawn = method.renewal().map_or_else(Vec::new, |renewal| renewal.numbers().to_vec());
+    let numbers = [vec![method.step_size()], parameters, stages, drawn];
+    Hallmark::of_parameters("method", name, numbers.concat())
 }

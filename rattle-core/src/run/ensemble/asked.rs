@@ -189,7 +189,7 @@ macro_rules! answered_by_laws {
             }
 
             fn temperature(&self, _: usize, sight: &$crate::run::watch::Sight<'_, D>) -> f64 {
-                $crate::run::ensemble::asked::square(sight) / (D - 1) as f64
+                $crate::run::answers::heat_of_each(0.5 * $crate::run::ensemble::asked::square(sight), D - 1)
             }
 
             fn mass_product(&self, _: usize, _: usize, a: &[f64; D], b: &[f64; D]) -> f64 {

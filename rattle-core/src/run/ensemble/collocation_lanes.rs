@@ -141,7 +141,7 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        Hallmark::new("method", "a collocation", vec![N as f64, self.h])
+        Hallmark::of_parameters("method", "a collocation", vec![N as f64, self.h])
     }
 }
 

@@ -69,5 +69,5 @@ pub(super) fn read_all<'a, const W: usize>(
 /// What tells a method from others whose steps are projected.
 pub(super) fn of_projected<M: Method>(method: &M) -> Hallmark {
     let numbers = [f64::from(method.order()), method.step_size(), method.tolerance().unwrap_or(0.0)];
-    Hallmark::new("method", method.name(), numbers.to_vec())
+    Hallmark::of_parameters("method", method.name(), numbers.to_vec())
 }

@@ -280,13 +280,13 @@ impl Splits {
 
 /// What tells a splitting from others.
 pub(super) fn hallmark(stages: &[Stage]) -> Hallmark {
-    Hallmark::new("method", "a splitting", Stage::numbers(stages))
+    Hallmark::of_parameters("method", "a splitting", Stage::numbers(stages))
 }
 
 /// What tells a method that draws these momenta anew from others.
-pub(super) fn of_renewal(Renewal { seed, deviation, kick }: Renewal, h: f64) -> Hallmark {
-    let seed = [(seed >> 32) as f64, (seed & 0xFFFF_FFFF) as f64];
-    Hallmark::new("method", "momenta drawn anew", vec![h, deviation, kick, seed[0], seed[1]])
+pub(super) fn of_renewal(renewal: Renewal, h: f64) -> Hallmark {
+    let numbers = [&[h], &renewal.numbers()[..]].concat();
+    Hallmark::of_parameters("method", "momenta drawn anew", numbers)
 }
 
 /// These stages, of which the first has no kick before it.

@@ -14,7 +14,7 @@
 use crate::effect::interval::{Half, Interval, Normals, Rule, UnitMasses};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::effect::noise::Noise;
+use crate::effect::noise::{Noise, halves};
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::parts::Given;
 use crate::motion::record::{Hallmark, short_name};
@@ -25,6 +25,7 @@ use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::block::is_finite;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::rhythm::Rhythm;
+use crate::run::fingerprint::of_flow;
 use crate::systems::surface::normal::Normal;
 use std::array::from_fn;
 use std::borrow::Borrow;
@@ -150,12 +151,9 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
         let mark = |number: usize| {
             let part = format!("flow {number}");
             if let Some(of) = effects.ornstein_uhlenbeck(number, time) {
-                let seed = [(of.seed >> 32) as f64, (of.seed & 0xFFFF_FFFF) as f64];
-                return Hallmark::new(
-                    part,
-                    "friction and noise",
-                    vec![of.lost, of.variance, seed[0], seed[1]],
-                );
+                let [high, low] = halves(of.seed);
+                let numbers = vec![of.lost, of.variance, high, low];
+                return Hallmark::of_parameters(part, "friction and noise", numbers);
             }
             let (manner, name) = effects.manner(number);
             let [gradient] = laws.constraint(lane).borrow().jacobian(&q);
@@ -167,7 +165,8 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
             let numbers = changes[0].map(S::to_f64).to_vec();
             Hallmark::new(part, format!("{} ({manner:?})", short_name(name)), numbers)
         };
-        (0..X::Forces::FLOWS).map(mark).collect()
+        let parameters = (0..X::Forces::FLOWS).filter_map(|number| of_flow(number, effects));
+        (0..X::Forces::FLOWS).map(mark).chain(parameters).collect()
     }
 
     /// Has all flows act in all lanes, for this half of a step after so many. Momenta are along the surface then.

@@ -18,8 +18,17 @@ const ROWS: usize = 1024;
 /// … or, where rows come seldom, when it has waited so long.
 const WAITS: Duration = Duration::from_secs(1);
 
-/// What a number or some are called, and what they are at a sight.
+/// What a column writes at a sight.
 type Quantity<const D: usize> = Arc<dyn Fn(&Sight<'_, D>, &mut Vec<f64>) + Send + Sync>;
+
+/// What a column has in a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Entry {
+    /// A number, or a list of them.
+    Numbers,
+    /// A vector for each body.
+    Vectors,
+}
 
 /// The columns to be recorded, besides step, trajectory and time, which every row has.
 ///
@@ -39,7 +48,7 @@ type Quantity<const D: usize> = Arc<dyn Fn(&Sight<'_, D>, &mut Vec<f64>) + Send 
 #[doc(alias = "log")]
 #[derive(Clone)]
 pub struct Columns<const D: usize> {
-    columns: Vec<(String, usize, Quantity<D>)>,
+    columns: Vec<(String, Entry, Quantity<D>)>,
     times: Option<Arc<[f64]>>,
     with_start: bool,
 }
@@ -55,31 +64,33 @@ impl<const D: usize> Columns<D> {
     /// Adds positions `q` of all bodies, shape [bodies, D].
     #[must_use]
     pub fn positions(self) -> Self {
-        self.with("q", D, |now, to| now.positions.iter().for_each(|q| to.extend(q.iter())))
+        self.with("q", Entry::Vectors, |now, to| now.positions.iter().for_each(|q| to.extend(q.iter())))
     }
 
     /// Adds momenta `p`, shape [bodies, D].
     #[must_use]
     pub fn momenta(self) -> Self {
-        self.with("p", D, |now, to| now.momenta.iter().for_each(|p| to.extend(p.iter())))
+        self.with("p", Entry::Vectors, |now, to| now.momenta.iter().for_each(|p| to.extend(p.iter())))
     }
 
     /// Adds `energies`: kinetic and potential.
     #[must_use]
     pub fn energies(self) -> Self {
-        self.with("energies", 1, |now, to| to.extend([now.kinetic_energy(), now.potential_energy()]))
+        self.with("energies", Entry::Numbers, |now, to| {
+            to.extend([now.kinetic_energy(), now.potential_energy()])
+        })
     }
 
     /// Adds `effect_energies`, the potential energy of each effect in the order of the scene, without flows.
     #[must_use]
     pub fn effect_energies(self) -> Self {
-        self.with("effect_energies", 1, |now, to| to.extend(now.effect_energies()))
+        self.with("effect_energies", Entry::Numbers, |now, to| to.extend(now.effect_energies()))
     }
 
     /// Adds `residuals` g(q, t) of the equations, each in the unit of its g.
     #[must_use]
     pub fn residuals(self) -> Self {
-        self.with("residuals", 1, |now, to| to.extend(now.residuals()))
+        self.with("residuals", Entry::Numbers, |now, to| to.extend(now.residuals()))
     }
 
     /// Adds the `temperature` kT, an energy.
@@ -91,13 +102,13 @@ impl<const D: usize> Columns<D> {
     /// Adds multipliers `lambda` of the equations, from g̈ = 0.
     #[must_use]
     pub fn multipliers(self) -> Self {
-        self.with("lambda", 1, |now, to| to.extend(now.multipliers()))
+        self.with("lambda", Entry::Numbers, |now, to| to.extend(now.multipliers()))
     }
 
     /// Adds `constraint_forces` Gᵀλ on all bodies, shape [bodies, D].
     #[must_use]
     pub fn constraint_forces(self) -> Self {
-        self.with("constraint_forces", D, |now, to| {
+        self.with("constraint_forces", Entry::Vectors, |now, to| {
             now.constraint_forces().iter().for_each(|force| to.extend(force.iter()));
         })
     }
@@ -121,7 +132,7 @@ impl<const D: usize> Columns<D> {
     /// ```
     #[must_use]
     pub fn iterations(self) -> Self {
-        self.with("iterations", 1, |now, to| {
+        self.with("iterations", Entry::Numbers, |now, to| {
             to.push(now.corrections().map_or(f64::NAN, |count| count as f64))
         })
     }
@@ -129,7 +140,7 @@ impl<const D: usize> Columns<D> {
     /// Adds a number of your own, a function of a sight.
     #[must_use]
     pub fn quantity(self, name: &str, of: impl Fn(&Sight<'_, D>) -> f64 + Send + Sync + 'static) -> Self {
-        self.with(name, 1, move |now, to| to.push(of(now)))
+        self.with(name, Entry::Numbers, move |now, to| to.push(of(now)))
     }
 
     /// Adds a row of the start, before the first step that is observed.
@@ -166,10 +177,10 @@ impl<const D: usize> Columns<D> {
     fn with(
         mut self,
         name: &str,
-        width: usize,
+        entry: Entry,
         write: impl Fn(&Sight<'_, D>, &mut Vec<f64>) + Send + Sync + 'static,
     ) -> Self {
-        self.columns.push((name.into(), width, Arc::new(write)));
+        self.columns.push((name.into(), entry, Arc::new(write)));
         self
     }
 
@@ -238,7 +249,7 @@ pub struct Column {
 /// Rows of a table: all of it, or a block.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Rows {
-    /// The columns of a row; empty before the first row.
+    /// The columns of a row; empty before the first sight.
     pub columns: Arc<[Column]>,
     /// Steps since the run was made.
     pub steps: Vec<u64>,
@@ -280,7 +291,8 @@ impl Rows {
 
 /// The receiver of rows.
 pub trait Sink: Send {
-    /// Takes a block of rows and leaves it empty, so that its memory can be used again.
+    /// Takes a block of rows and leaves it empty, so that its memory can be used again. A block without rows has the
+    /// columns of a run in which none was recorded.
     ///
     /// # Errors
     /// Why rows cannot be taken; no more rows are passed after an error.
@@ -351,7 +363,7 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
     /// # Errors
     /// [`Error::Recorder`] where rows could not be taken.
     pub fn finish(mut self) -> Result<S, Error> {
-        self.hand_on();
+        self.hand_on_the_last();
         let sink = self.sink.take().map(|mut sink| {
             sink.end();
             sink
@@ -378,8 +390,21 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
     }
 
     fn hand_on(&mut self) {
+        if !self.rows.is_empty() {
+            self.hand_on_all();
+        }
+    }
+
+    /// The columns too, if there were no rows.
+    fn hand_on_the_last(&mut self) {
+        if !self.rows.is_empty() || self.handed_on == 0 && !self.rows.columns.is_empty() {
+            self.hand_on_all();
+        }
+    }
+
+    fn hand_on_all(&mut self) {
         let Some(sink) = &mut self.sink else { return };
-        if self.failure.is_some() || self.rows.is_empty() {
+        if self.failure.is_some() {
             return;
         }
         let rows = self.rows.len() as u64;
@@ -406,18 +431,18 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
         }
     }
 
-    /// Finds out how much stands in a row, by the first.
+    /// Finds out how much stands in a row, by the first sight.
     #[cold]
     fn lay_out(&mut self, now: &Sight<'_, D>) {
         let (mut all, mut row) = (Vec::new(), Vec::new());
-        for (name, width, write) in &self.columns.columns {
+        for (name, entry, write) in &self.columns.columns {
             let from = row.len();
             write(now, &mut row);
             let number = row.len() - from;
-            let shape = match (*width, number) {
-                (1, 1) => Vec::new(),
-                (1, number) => vec![number],
-                (width, number) => vec![number / width, width],
+            let shape = match entry {
+                Entry::Vectors => vec![number / D, D],
+                Entry::Numbers if number == 1 => Vec::new(),
+                Entry::Numbers => vec![number],
             };
             all.push(Column { name: name.clone(), shape, place: from..row.len() });
         }
@@ -427,7 +452,7 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
 
 impl<S: Sink, const D: usize> Drop for Recorder<S, D> {
     fn drop(&mut self) {
-        self.hand_on();
+        self.hand_on_the_last();
         if let Some(sink) = &mut self.sink {
             sink.end();
         }
@@ -444,6 +469,8 @@ impl<S: Sink, const D: usize> Observer<D> for Recorder<S, D> {
         }
         if self.columns.wants(before, now) {
             self.write(now);
+        } else if self.rows.columns.is_empty() {
+            self.lay_out(now); // for a file without rows
         }
     }
 
@@ -451,6 +478,9 @@ impl<S: Sink, const D: usize> Observer<D> for Recorder<S, D> {
         self.hand_on();
         next.hand_on();
         self.handed_on += next.handed_on;
+        if self.rows.columns.is_empty() {
+            self.rows.columns = next.rows.columns.clone();
+        }
         self.failure = self.failure.take().or(next.failure.take());
         if let (Some(sink), Some(next)) = (&mut self.sink, next.sink.take()) {
             sink.join(next);
