@@ -38,7 +38,8 @@ const SHARE_OF_AIM: f64 = 1e-2;
 /// found.
 const FOR_REFERENCE: f64 = 0.35;
 const FOR_LONGER: f64 = 0.5;
-/// Where an error is aimed at, a ladder ends after so many rows that reach it, or so many that cost more than it must.
+/// Where an error is aimed at, a ladder ends after so many rows that reach it, or so many that cost more than it must;
+/// that of an adaptive method one row later.
 const ENOUGH: usize = 2;
 const DEARER: usize = 3;
 /// There, a method may take a third of what is left: the next ones are cut short by what it finds.
@@ -376,8 +377,12 @@ fn climb(runner: &Runner<'_>, to_climb: &Climb<'_>, method: Candidate) -> (Vec<P
                 let useless =
                     row.position.is_some_and(|error| error.is_nan() || error > USELESS * reference.way);
                 stuck = if row.rounding { stuck + 1 } else { 0 };
-                enough += usize::from(to_climb.is_enough(&row));
-                dearer += usize::from(row.seconds > to_climb.least);
+                // With a large tolerance an adaptive method tries steps in vain, and may be cheaper with a smaller one.
+                let falls =
+                    method.is_adaptive() && rows.last().is_some_and(|last| row.seconds < last.seconds);
+                let (is_enough, is_dearer) = (to_climb.is_enough(&row), row.seconds > to_climb.least);
+                enough += usize::from(is_enough && !falls);
+                dearer += usize::from(is_dearer && !falls && (is_enough || !method.is_adaptive()));
                 if !useless || reference.way == 0.0 {
                     rows.push(row);
                 }
@@ -397,7 +402,8 @@ fn climb(runner: &Runner<'_>, to_climb: &Climb<'_>, method: Candidate) -> (Vec<P
         }
         // Shorter steps improve an average long after positions are at their rounding; smaller tolerances do not.
         stuck = if to_climb.is_for_average() && !method.is_adaptive() { 0 } else { stuck };
-        if stuck == 2 || enough == ENOUGH || dearer == DEARER {
+        let later = usize::from(method.is_adaptive());
+        if stuck == 2 || enough == ENOUGH + later || dearer == DEARER + later {
             break;
         }
         if method.is_adaptive() {
