@@ -24,6 +24,12 @@ constraint! {
     |x, _y, t| x - c * t
 }
 
+potential! {
+    /// A uniform field that oscillates.
+    struct Swinging {}
+    |x, _y, _z, t| -cos(2 * t) * x
+}
+
 /// f = t (c + A q).
 #[derive(Debug, Clone)]
 struct Growing<const D: usize> {
@@ -225,6 +231,51 @@ fn methods_that_cannot_see_time_are_refused() {
     let error = scene.simulate(start(), Bdf2::new(0.1)).unwrap_err().to_string();
     assert!(error.contains("cannot move constraints or forces that change with time"), "{error}");
     assert!(scene.simulate(start(), Taylor::new(8, 0.1)).is_err());
+}
+
+/// A refusal names the methods that accept the scene, and no others: each is tried.
+#[test]
+fn who_can_see_time_is_told() {
+    let (h, start) = (0.1, || State::at([0.1, 0.2, 0.0]));
+    macro_rules! check {
+        ($scene:expr) => {{
+            let scene = $scene;
+            let rattle::Error::CannotMove { others, .. } = scene.simulate(start(), Bdf2::new(h)).unwrap_err()
+            else {
+                panic!("Bdf2 is refused")
+            };
+            macro_rules! named {
+                ($name:literal, $method:expr) => {{
+                    let method = $method;
+                    let start = scene.staggered(&start(), &method).unwrap();
+                    let moves =
+                        scene.simulate(start, method).map(|mut simulation| simulation.run(3).unwrap());
+                    assert_eq!(others.contains(&$name), moves.is_ok(), "{}: {others:?}", $name);
+                }};
+            }
+            named!("Rattle", Rattle::new(h));
+            named!("Baoab", Baoab::new(h));
+            named!("NoseHoover", NoseHoover::new(1.0, 0.5, h));
+            named!("Brownian", Brownian::new(1.0, 1.0, 1, h));
+            named!("Geodesic", Geodesic::new(2, h));
+            named!("PositionVerlet", PositionVerlet::new(h));
+            named!("Shake", Shake::new(h));
+            named!("SymplecticEuler", SymplecticEuler::new(h));
+            named!("Leapfrog", Leapfrog::new(h));
+            named!("Lobatto", Lobatto::<3>::new(h));
+            named!("Dop853", Dop853::new(h));
+            named!("Taylor", Taylor::new(8, h));
+            named!("Bdf2", Bdf2::new(h));
+            named!("Variable", Variable::of(Rattle::new(h), 0.5));
+            others.len()
+        }};
+    }
+    let told = [
+        check!(Scene::point().with(Swinging {})),
+        check!(Scene::on(Floor {}).with(Swinging {})),
+        check!(Scene::on(Floor {}).with(Growing::along([1.0, 0.0, 0.0]))),
+    ];
+    assert!(told.iter().all(|number| *number > 3), "{told:?}");
 }
 
 /// The speed under drag falls by exp(−γ t) exactly where no force acts, however long the steps; what it took is work.

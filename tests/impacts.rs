@@ -44,6 +44,18 @@ constraint! {
     |_x, _y, z| 1 - z
 }
 
+constraint! {
+    /// To the right of a wall.
+    struct Left {}
+    |x| x
+}
+
+constraint! {
+    /// Above the floor.
+    struct Ground {}
+    |_x, _y, z| z
+}
+
 fn near(found: &[f64], exact: &[f64]) {
     let off = found.iter().zip(exact).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
     assert!(off < 1e-13, "{found:?} for {exact:?}");
@@ -214,4 +226,30 @@ fn shadow_energies_begin_anew_after_impacts() {
     // Differences of second order leave h² g²/24 beside U + p²/2 of Verlet; roundings are divided by h².
     let expected = shadow.values()[0];
     assert!((expected - 0.5).abs() < 1e-4 && shadow.values().iter().all(|e| (e - expected).abs() < 1e-11));
+}
+
+/// Elastic impacts leave nothing at rest: where a step has too many, a shorter one has fewer. Two masses of 1 and 10⁶
+/// and a wall count digits of π, 3141 impacts.
+#[test]
+fn a_step_of_too_many_impacts_says_so() {
+    let scene = Scene::points::<1>(2).masses([1.0, 1e6]);
+    let start = || State::of([[2.0], [4.0]]).with_momenta([[0.0], [-1e6]]);
+    let billiard = |h: f64| {
+        let simulation = scene.simulate(start(), Rattle::new(h)).unwrap();
+        let simulation = simulation.collide(HardSpheres::new(1.0)).unwrap();
+        simulation.collide(Stop::above(Left {})).unwrap()
+    };
+    let error = billiard(7.3).step().unwrap_err().to_string();
+    assert!(error.contains("2000 impacts") && error.contains("shorter step"), "{error}");
+    assert!(!error.contains("rest"), "{error}");
+    let mut shorter = billiard(7.3 / 4096.0);
+    shorter.run(4096).unwrap();
+    assert_eq!(shorter.events(), 3141);
+    // What bounces lower and lower may come to rest within the step.
+    let scene = Scene::point().with(Gravity { g: 1.0 });
+    let ball = scene.simulate(State::at([0.0, 0.0, 0.5]), Rattle::new(100.0)).unwrap();
+    let error =
+        ball.collide(Stop::above(Ground {}).restitution(0.7)).unwrap().step().unwrap_err().to_string();
+    println!("{error}");
+    assert!(error.contains("shorter step") && error.contains("held by a link"), "{error}");
 }

@@ -195,6 +195,16 @@ fn a_collision_is_an_error_and_the_state_stays() {
     assert_eq!(simulation.state(), before);
 }
 
+/// In a million times the time in which the motion bends there is no room for a step, and no singular point.
+#[test]
+fn a_step_of_too_many_inner_ones_says_so() {
+    let scene = Scene::on(rattle::surfaces::Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
+    let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+    let mut long = scene.simulate(start, Taylor::adaptive(14, 1.5e5, 1e-9)).unwrap();
+    let error = long.step().unwrap_err().to_string();
+    assert!(error.contains("at most 10⁶ inner steps") && error.contains("shorter h"), "{error}");
+}
+
 /// Where a choice turns just at the start there is no series, and that is said; where it never turns there is.
 #[test]
 fn a_kink_at_the_start_is_an_error() {

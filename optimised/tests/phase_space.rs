@@ -539,7 +539,7 @@ phase_constraint! {
 #[test]
 fn what_cannot_be_projected_says_so() {
     let nowhere = hopf().project(&State::at([0.0, 0.0])).unwrap_err();
-    assert!(matches!(nowhere, Error::Start { cause: StartFailure::NoProjection { .. }, .. }), "{nowhere}");
+    assert!(nowhere.to_string().contains("equation 0 has no gradient"), "{nowhere}");
     let still = Scene::in_phase_space(Still {}, Falling { g: 0.3 });
     let error = still.project(&State::at([0.2, 0.5])).unwrap_err();
     let Error::Start { cause: StartFailure::Phase(PhaseMistake::NoSlide { equation: 0, residuals }), .. } =

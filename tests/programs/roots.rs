@@ -22,6 +22,8 @@ mod kinks_phase;
 mod kinks_projected;
 #[path = "../laws.rs"]
 mod laws;
+#[path = "../phase_starts.rs"]
+mod phase_starts;
 #[path = "../phase_units.rs"]
 mod phase_units;
 #[path = "../references.rs"]

@@ -62,8 +62,19 @@ pub enum PhaseMistake {
         /// |{gᵢ, gⱼ}| relative to the sizes of its terms.
         share: f64,
     },
+    /// The gradients of the equations depend on each other: an equation repeats others, or has no gradient.
+    #[error("{}", dependent(*equation, *part))]
+    Dependent {
+        /// The first equation whose gradient is made of those before it.
+        equation: usize,
+        /// The part of its gradient that is not made of those before it; NaN where it has no gradient.
+        part: f64,
+    },
     /// The motion is not determined: the matrix N = {g, {g, H}} is singular.
-    #[error("the motion is not determined here: {{g, {{g, H}}}} = {slopes:?} is singular; start elsewhere")]
+    #[error(
+        "the motion is not determined here: {{g, {{g, H}}}} = {slopes:?} is singular; start elsewhere; \
+         where it is singular everywhere, H needs a term that changes along the fibres of g"
+    )]
     Undetermined {
         /// Nᵢⱼ, row by row.
         slopes: Vec<f64>,
@@ -79,4 +90,16 @@ pub enum PhaseMistake {
         /// The largest residual before each correction, in units of the rounding of its terms.
         residuals: History,
     },
+}
+
+/// Which gradients depend on each other.
+fn dependent(equation: usize, part: f64) -> String {
+    if part.is_nan() {
+        return format!("equation {equation} has no gradient here: start elsewhere");
+    }
+    format!(
+        "the gradients of the equations depend on each other here: that of equation {equation} is made of those of \
+         equations before it but for {part:.1e} of itself; leave out an equation that repeats others, or start where \
+         gradients are independent"
+    )
 }

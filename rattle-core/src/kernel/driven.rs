@@ -11,7 +11,10 @@ use nalgebra::SVector;
 /// K + U − work is conserved. Each kick of a length c adds c ∂U/∂t(q, t) at its position and time; Lobatto methods and
 /// `Dop853` add it with their own weights. This is the method applied to dE/dt = ∂U/∂t, with t and −E as a further pair
 /// of conjugate variables. So the energy error has the order of the method, and does not drift where the method is
-/// symplectic. `Taylor` and `Bdf2`, which cannot treat forces that depend on time, are refused.
+/// symplectic. `Taylor`, `Bdf2` and `NoseHoover`, which cannot treat forces that depend on time, are refused.
+///
+/// U has to be continuous in t. Where it jumps at an instant, as `if t < 1 { 0 } else { a * x }` does, forces are those
+/// of either side, but the work U(q, t⁺) − U(q, t⁻) of the jump is not booked: no ∂U/∂t tells of it.
 ///
 /// ```
 /// use rattle::prelude::*;

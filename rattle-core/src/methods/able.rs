@@ -14,6 +14,7 @@ use crate::methods::rattle::Rattle;
 use crate::methods::shake::Shake;
 use crate::methods::symplectic_euler::SymplecticEuler;
 use crate::methods::taylor::Taylor;
+use crate::methods::variable::Variable;
 use crate::motion::method::{Method, View};
 use crate::motion::need::Need;
 use crate::motion::stir::{FLOW, random};
@@ -50,6 +51,7 @@ fn refused<Y: System<f64, D>, const D: usize>(method: &'static str, kind: &'stat
         ("Shake", moves::<Shake, Y, D>(system) && whole),
         ("SymplecticEuler", moves::<SymplecticEuler, Y, D>(system) && whole),
         ("Leapfrog", moves::<Leapfrog, Y, D>(system) && system.equations() == 0 && whole),
+        ("Variable", moves::<Variable<Rattle>, Y, D>(system) && whole),
         ("Lobatto", moves::<Lobatto<2>, Y, D>(system)),
         ("Dop853", moves::<Dop853, Y, D>(system) && whole),
         ("Taylor", moves::<Taylor, Y, D>(system) && whole),

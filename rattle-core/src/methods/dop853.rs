@@ -67,8 +67,8 @@ impl Dop853 {
         Self { h, tolerance: None }
     }
 
-    /// The method with steps of size `h`, each divided into as many inner steps as the tolerance, a length, needs: for
-    /// each body the estimated error |δq| + |h| |δv| of an inner step stays below it.
+    /// The method with steps of size `h`, each divided into as many inner steps, at most 10⁶, as the tolerance, a
+    /// length, needs: for each body the estimated error |δq| + |h| |δv| of an inner step stays below it.
     #[doc(alias = "dt")]
     #[doc(alias = "tolerance")]
     #[must_use]
@@ -156,7 +156,7 @@ impl Dop853 {
             let landed = stages.arrive(system, bodies, self.h)?;
             return look_inside(self, [self.h; 2], system.0, stages.start, bodies, landed);
         };
-        let (mut left, mut inner) = (self.h, self.h);
+        let (mut left, mut inner, mut made) = (self.h, self.h, 0.0_f64);
         loop {
             let last = inner.abs() >= left.abs();
             if last {
@@ -172,7 +172,7 @@ impl Dop853 {
                     if landed.is_ok() { stages.moved(system, bodies, self.h) } else { (0.0, 0) };
                 if moved > ASTRAY * tolerance {
                     system.0.put_back(bodies, stages.start);
-                    inner = self.shorter(inner, CHANGE.0, body, moved)?;
+                    inner = self.shorter(inner, CHANGE.0, (body, moved), made)?;
                     continue;
                 }
                 look_inside(self, [left, inner], system.0, stages.start, bodies, landed)?;
@@ -180,19 +180,26 @@ impl Dop853 {
                     return Ok(());
                 }
                 left -= inner;
+                made = made.max(inner.abs());
                 inner *= fitting;
                 stages = Stages::begin(system, bodies, saved, room, &mut ());
             } else {
-                inner = self.shorter(inner, fitting, body, error)?;
+                inner = self.shorter(inner, fitting, (body, error), made)?;
             }
         }
     }
 
-    /// The inner step that is tried instead of one with such an error, of this body.
-    fn shorter(&self, inner: f64, fitting: f64, body: usize, error: f64) -> Result<f64, Failure> {
+    /// The inner step that is tried instead of one of a body with such an error, after others of at most `made`.
+    fn shorter(
+        &self,
+        inner: f64,
+        fitting: f64,
+        (body, error): (usize, f64),
+        made: f64,
+    ) -> Result<f64, Failure> {
         if inner.abs() * fitting < SMALLEST_PART * self.h.abs() {
-            let tolerance = self.tolerance.unwrap_or(f64::NAN);
-            let cause = MethodFailure::StepsCollapse { inner, h: self.h, error, tolerance }.into();
+            let limits = [self.h, self.tolerance.unwrap_or(f64::NAN)];
+            let cause = MethodFailure::of_short_steps(inner, made, error, limits).into();
             return Err(Failure { body, cause });
         }
         Ok(inner * fitting.min(SAFETY))

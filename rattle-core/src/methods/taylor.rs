@@ -80,8 +80,8 @@ impl Taylor {
         Self { order, h, tolerance: None }
     }
 
-    /// The method with steps of size `h`, each divided into as many inner steps as needed to keep the last terms of
-    /// positions, and of velocities times h, below the tolerance, a length.
+    /// The method with steps of size `h`, each divided into as many inner steps as needed, at most 10⁶, to keep the
+    /// last terms of positions, and of velocities times h, below the tolerance, a length.
     #[doc(alias = "dt")]
     #[doc(alias = "tolerance")]
     #[must_use]
@@ -183,6 +183,7 @@ impl Taylor {
             return look_inside(self, [self.h; 2], system.0, start, bodies, landed);
         };
         let (mut left, mut short, mut most) = (self.h, 0, (f64::INFINITY, 0, tolerance));
+        let mut made = 0.0_f64;
         loop {
             let (mut longest, mut body) = self.longest(bodies, series, tolerance, motion.unit(bodies));
             if longest.is_nan() {
@@ -194,8 +195,8 @@ impl Taylor {
             }
             if longest < SMALLEST_PART * self.h.abs() {
                 let inner = longest.copysign(self.h);
-                let cause = MethodFailure::StepsCollapse { inner, h: self.h, error, tolerance }.into();
-                return Err(Failure { body, cause });
+                let cause = MethodFailure::of_short_steps(inner, made, error, [self.h, tolerance]);
+                return Err(Failure { body, cause: cause.into() });
             }
             let last = longest >= left.abs();
             let whole = if last { left } else { longest.copysign(left) };
@@ -224,6 +225,7 @@ impl Taylor {
                 return Ok(());
             }
             left -= inner;
+            made = made.max(inner.abs());
             bodies.save(start);
             motion.expand(bodies, series, &mut ());
         }

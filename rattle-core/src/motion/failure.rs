@@ -31,6 +31,7 @@ impl Failure {
             self.cause,
             StepFailure::Surface(SurfaceFailure::StepTooLong { .. } | SurfaceFailure::OutOfScale { .. })
                 | StepFailure::Rests { .. }
+                | StepFailure::TooManyImpacts { .. }
                 | StepFailure::NoWayApart { .. }
         )
     }

@@ -22,7 +22,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// lost in others counts as negative [`work`](Self::work), and what moving constraints do in an impact as work.
     /// [`StepFailure::NoWayApart`](crate::error::StepFailure::NoWayApart) where constraints let nobody part.
     /// [`events`](Self::events) counts impacts. Where a contact would stay closed, like that of a ball at rest on a
-    /// floor, the step fails with [`StepFailure::Rests`](crate::error::StepFailure::Rests).
+    /// floor, the step fails with [`StepFailure::Rests`](crate::error::StepFailure::Rests); a step with more
+    /// elastic impacts than 1000 for each body fails with
+    /// [`StepFailure::TooManyImpacts`](crate::error::StepFailure::TooManyImpacts).
     ///
     /// Random forces act before the whole step and after it, whatever happens between: a contact does not choose among
     /// them. By `Baoab`, which has them in the middle, nothing collides where they are.

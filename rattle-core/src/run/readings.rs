@@ -152,6 +152,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     ///   method;
     /// * [flows](crate::effect::Flow) of momenta: drag, friction, heat, `force!`;
     /// * inelastic [impacts](Self::collide) (negative).
+    ///
+    /// A potential that jumps at an instant does work that is not booked: U has to be continuous in t.
     pub fn work(&self) -> f64 {
         self.bodies.work
     }
@@ -165,7 +167,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// The energy now minus the energy at the start minus the [work](Self::work) done: the energy error of the method.
     ///
     /// For an effect of your own that changes with time, the work is included if the effect implements
-    /// [`power`](crate::effect::Acting::power).
+    /// [`power`](crate::effect::Acting::power). Where a potential jumps at an instant, U(q, t⁺) − U(q, t⁻) is part of
+    /// this number, since no work is booked for it.
     pub fn energy_error(&self) -> f64 {
         self.energy() - self.start_energy - self.work()
     }

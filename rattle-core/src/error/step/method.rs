@@ -61,6 +61,20 @@ pub enum MethodFailure {
         /// The step size.
         h: f64,
     },
+    /// A step of `Taylor` or `Dop853` would need more than 10⁶ inner steps of a length that hardly changes.
+    #[error(
+        "a step h = {h:.3e} is divided into at most 10⁶ inner steps, and the tolerance {tolerance:.1e} needs inner steps \
+         of {inner:.1e} at most; try a shorter h, and more steps, or a larger tolerance; where shorter ones fail as well, look \
+         for a singular point nearby"
+    )]
+    TooManyInnerSteps {
+        /// The inner step that the tolerance needs.
+        inner: f64,
+        /// The step size.
+        h: f64,
+        /// The tolerance.
+        tolerance: f64,
+    },
     /// The inner steps needed for the tolerance have become too short.
     #[error(
         "inner steps of {inner:.1e} within h = {h:.3e} still have an error of {error:.1e}, more than the tolerance \
@@ -110,6 +124,22 @@ pub enum MethodFailure {
         given: f64,
     },
 }
+
+impl MethodFailure {
+    /// Of a step h with this tolerance, which would need an inner step that is too short: one with an error. Where the
+    /// step had not made longer ones before, at most `made`, its inner steps do not collapse: they are too many.
+    #[cold]
+    pub(crate) fn of_short_steps(inner: f64, made: f64, error: f64, [h, tolerance]: [f64; 2]) -> Self {
+        if made <= COLLAPSE * inner.abs() && !error.is_nan() {
+            Self::TooManyInnerSteps { inner, h, tolerance }
+        } else {
+            Self::StepsCollapse { inner, h, error, tolerance }
+        }
+    }
+}
+
+/// Inner steps collapse where they are so many times shorter than one that the same step has made.
+const COLLAPSE: f64 = 100.0;
 
 /// How an iteration ended that did not converge.
 fn ended(iterations: usize, left: f64) -> String {

@@ -95,10 +95,11 @@ pub enum StepFailure {
         /// How far the surface jumps, to first order.
         gap: f64,
     },
-    /// Impacts within a step do not end: bodies have come to rest on each other, or on a wall.
+    /// A contact stays closed, or impacts that take energy away do not end within a step: bodies have come to rest on
+    /// each other, or on a wall.
     #[error(
         "the contact `{contact}` of bodies {bodies:?} stays closed after {impacts} more impacts within the step (restitution {restitution}): what rests \
-         there must be held by a link from here on, or be left out"
+         there must be held by a link from here on, or be left out{}", unless_many(*impacts)
     )]
     Rests {
         /// The contact.
@@ -107,8 +108,21 @@ pub enum StepFailure {
         bodies: Vec<usize>,
         /// Impacts so far within the step.
         impacts: u64,
-        /// The restitution.
+        /// The restitution; where a step has as many impacts as it may have, the smallest of all contacts.
         restitution: f64,
+    },
+    /// A step has more than 1000 impacts for each body, all of them elastic: nothing comes to rest.
+    #[error(
+        "the contact `{contact}` of bodies {bodies:?} closes once more after {impacts} impacts within the step, which may have \
+         1000 for each body: try a shorter step"
+    )]
+    TooManyImpacts {
+        /// The contact that closes once more.
+        contact: &'static str,
+        /// Its bodies.
+        bodies: Vec<usize>,
+        /// Impacts so far within the step.
+        impacts: u64,
     },
     /// Constraints leave no momentum by which bodies could give way at a contact.
     #[error(
@@ -135,6 +149,15 @@ pub enum StepFailure {
 /// A constraint, as messages name it.
 fn constraint(equation: Option<&EquationAt>) -> String {
     equation.map_or_else(|| "the constraint".to_owned(), EquationAt::to_string)
+}
+
+/// What else many impacts may mean than that bodies have come to rest.
+fn unless_many(impacts: u64) -> &'static str {
+    if impacts < 1000 {
+        ""
+    } else {
+        "; where bodies do not rest yet, try a shorter step, which has fewer impacts"
+    }
 }
 
 /// How far off a sheet, as far as that is known.

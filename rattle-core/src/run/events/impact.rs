@@ -27,7 +27,7 @@ pub(super) fn impacts<Y: System<f64, D>, S: Method, const D: usize>(
             let which = meetings.near[i];
             if meetings.look(which, stretch.sign(), stretch.system, stretch.bodies).meets() {
                 if number == most {
-                    return Err(meetings.rests(which, stretch.bodies.q.as_ref()).into());
+                    return Err(meetings.too_many(which).into());
                 }
                 impact(meetings, which, stretch)?;
                 number += 1;

@@ -179,6 +179,21 @@ impl<const D: usize> Meetings<D> {
         Failure { body, cause: StepFailure::Rests { contact, bodies, impacts: self.impacts, restitution } }
     }
 
+    /// The failure of the contact that was looked at last, where there were as many impacts as a step may have: without
+    /// end only where one of the contacts takes energy away.
+    #[cold]
+    pub(super) fn too_many(&self, which: WhichContact) -> Failure {
+        let (contact, bodies, impacts) = (self.kinds[which.kind].name(), self.touched(), self.impacts);
+        let body = bodies.first().copied().unwrap_or(0);
+        let restitution = self.kinds.iter().map(|kind| kind.restitution()).fold(1.0, f64::min);
+        let cause = if restitution < 1.0 {
+            StepFailure::Rests { contact, bodies, impacts, restitution }
+        } else {
+            StepFailure::TooManyImpacts { contact, bodies, impacts }
+        };
+        Failure { body, cause }
+    }
+
     /// The failure of the contact that was looked at last, of whose bodies constraints let none part.
     #[cold]
     pub(super) fn gives_no_way(&self, which: WhichContact) -> Failure {

@@ -12,7 +12,8 @@
 //!
 //! There is no rest: where a restitution below 1, or a force against a closed contact, makes impacts without end, the
 //! step fails with [`StepFailure::Rests`](crate::error::StepFailure::Rests), after 1000 impacts for each body at
-//! most. What remains closed is a link.
+//! most. What remains closed is a link. So many elastic impacts are too many for a step, not rest:
+//! [`StepFailure::TooManyImpacts`](crate::error::StepFailure::TooManyImpacts).
 
 mod edge;
 mod impact;

@@ -1,5 +1,6 @@
 //! A point (q, p) of phase space, constraint and energy there, and the step of the energy alone.
 
+use crate::error::PhaseMistake;
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
 use crate::number::linear::solve;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
@@ -88,6 +89,30 @@ impl<const D: usize, const M: usize> Level<D, M> {
         from_fn(|i| if self.value[i] == 0.0 { 0.0 } else { self.value[i] / self.extent[i] })
     }
 
+    /// The first equation whose gradient is made of those before it, if there is one; in units of the largest
+    /// coordinate and of the largest momentum.
+    #[cold]
+    pub(super) fn dependent(&self, at: &Point<D>) -> Option<PhaseMistake> {
+        let [q, p] = at.sizes().map(|size| if size > 0.0 { size } else { 1.0 });
+        let mut basis = [Point::ZERO; M];
+        for equation in 0..M {
+            let gradient = self.gradients[equation].weighted(q, p);
+            let [by_q, by_p] = gradient.sizes();
+            let mut rest = gradient.times(1.0 / by_q.max(by_p));
+            let whole = rest.along(&rest).sqrt();
+            // Twice, since what the first time leaves are the roundings of what it takes away.
+            for before in [&basis[..equation]; 2].into_iter().flatten() {
+                rest = rest.plus(&before.times(-rest.along(before)));
+            }
+            let length = rest.along(&rest).sqrt();
+            if by_q.max(by_p) == 0.0 || length <= DEPENDENT * whole {
+                return Some(PhaseMistake::Dependent { equation, part: length / whole });
+            }
+            basis[equation] = rest.times(1.0 / length);
+        }
+        None
+    }
+
     /// The direction in which σᵢ slides.
     pub(super) fn fibre(&self, i: usize) -> Point<D> {
         Point { q: scaled(-1.0, &self.gradients[i].p), p: self.gradients[i].q }
@@ -158,6 +183,8 @@ impl<const D: usize, const M: usize> Hidden<D, M> {
 
 /// N is singular where its smallest part is this far below the terms that it is made of.
 const SINGULAR: f64 = 1e-10;
+/// A gradient of which those before leave less makes N singular by itself, since N has its square.
+const DEPENDENT: f64 = 1e-5;
 
 /// {a, b} from gradients, and the size of its terms.
 fn bracket<const D: usize>(a: &Point<D>, b: &Point<D>) -> (f64, f64) {

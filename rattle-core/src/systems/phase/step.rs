@@ -15,6 +15,10 @@ use std::array::from_fn;
 
 /// Corrections of a slide after which it is given up; four suffice where there is one.
 const MAX_CORRECTIONS: usize = 20;
+/// Halvings of one correction of a start: from σ on the straight part of an energy full ones lead some σ³ away.
+const MAX_HALVINGS: i32 = 60;
+/// A correction by a part of itself must take this share of that part from the largest value.
+const FALL: f64 = 0.25;
 /// A residual below this many roundings may be the rounding of g itself, once it no longer shrinks.
 pub(crate) const NOISE: f64 = 1e3;
 /// N may change by this part of itself within a step.
@@ -61,6 +65,40 @@ pub(super) fn solve_along<X, const D: usize, const M: usize>(
     unreachable!("the last correction is never made")
 }
 
+/// As [`solve_along`], from far away, for a start: a correction is halved until the largest value falls, in units of
+/// the sizes where the correction begins, since sizes change on a long way. Without a place where it falls, or after
+/// too many corrections: which value, and what the largest were.
+fn solve_from_afar<X, const D: usize, const M: usize>(
+    mut look: impl FnMut(&[f64; M]) -> Option<Look<X, D, M>>,
+    slopes: impl Fn(&Look<X, D, M>) -> [[f64; M]; M],
+) -> Result<Look<X, D, M>, PhaseMistake> {
+    let (mut sigma, mut residuals, mut equation) = ([0.0; M], Vec::new(), 0);
+    let mut next = look(&sigma);
+    while let Some(seen) = next {
+        let last = residuals.last().copied().unwrap_or(f64::INFINITY);
+        let roundings;
+        (equation, roundings) = worst(&seen.value, &seen.size);
+        residuals.push(roundings);
+        if roundings <= 1.0 || (roundings >= last && roundings <= NOISE) {
+            return Ok(seen);
+        }
+        let correction = solve(slopes(&seen), seen.value).filter(|_| residuals.len() < MAX_PROJECTION_STEPS);
+        let Some(correction) = correction else { break };
+        next = (0..=MAX_HALVINGS).find_map(|halvings| {
+            let part = 0.5_f64.powi(halvings);
+            let there = from_fn(|i| sigma[i] - part * correction[i]);
+            let found = look(&there)?;
+            let falls = worst(&found.value, &seen.size).1 <= (1.0 - FALL * part) * roundings;
+            let stays = roundings <= NOISE && worst(&found.value, &found.size).1 <= NOISE;
+            (falls || stays).then(|| {
+                sigma = there;
+                found
+            })
+        });
+    }
+    Err(PhaseMistake::NoSlide { equation, residuals: residuals.into_iter().collect() })
+}
+
 /// The largest |xᵢ|/(ε sizeᵢ), and which; NaN counts as largest.
 pub(super) fn worst<const M: usize>(x: &[f64; M], sizes: &[f64; M]) -> (usize, f64) {
     let mut worst = (0, 0.0);
@@ -95,15 +133,30 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
     {
         let (start, low) = (Point::high(body), Point::low(body));
         let mut slides = Slides::new();
-        let look = |sigma: &[f64; M]| {
-            let change = slides.slide(&self.constraint, &start, sigma).ok_or_else(|| too_far(h))?;
-            let at = start.plus(&low.plus(&change));
-            let hidden = Hidden::of(&self.constraint, &self.energy, &at, &start.reach(&change));
-            let Hidden { value, size, slopes, .. } = hidden;
-            Ok(Look { change, value, size, extent: size, rest: slopes })
-        };
+        let look =
+            |sigma: &[f64; M]| self.look_along(&start, &low, sigma, &mut slides).ok_or_else(|| too_far(h));
         let (sigma, seen) = solve_along(h, [0.0; M], look, |seen| Some(seen.rest))?;
         Ok((sigma, seen.change, seen.rest))
+    }
+
+    /// The hidden constraint after a slide, with N there; none if that leads too far.
+    #[inline(always)]
+    fn look_along<const D: usize>(
+        &self,
+        start: &Point<D>,
+        low: &Point<D>,
+        sigma: &[f64; M],
+        slides: &mut Slides<D, M>,
+    ) -> Option<Look<[[f64; M]; M], D, M>>
+    where
+        K: PhaseConstraintKernel<f64, D, M>,
+        H: HamiltonianKernel<f64, D>,
+    {
+        let change = slides.slide(&self.constraint, start, sigma)?;
+        let at = start.plus(&low.plus(&change));
+        let hidden = Hidden::of(&self.constraint, &self.energy, &at, &start.reach(&change));
+        let Hidden { value, size, slopes, .. } = hidden;
+        Some(Look { change, value, size, extent: size, rest: slopes })
     }
 
     pub(super) fn check<const D: usize>(&self, body: &Body<f64, D>) -> Result<(), StartFailure>
@@ -135,7 +188,8 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             }
         }
         if hidden.is_undetermined() {
-            return mistake(PhaseMistake::Undetermined { slopes: hidden.slopes.concat() });
+            let slopes = hidden.slopes.concat();
+            return mistake(level.dependent(&at).unwrap_or(PhaseMistake::Undetermined { slopes }));
         }
         let (equation, off) = worst(&hidden.value, &hidden.size);
         if off.is_nan() || off > tolerance {
@@ -165,22 +219,19 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
     {
         finite("position", &body.q)?;
         finite("momentum", &body.p)?;
-        let mut at = Point::high(body);
-        self.check_energy(&at)?;
-        let (mut distances, mut nearing) = (Vec::new(), Nearing::leaving(f64::INFINITY));
+        let start = Point::high(body);
+        self.check_energy(&start)?;
+        let (mut at, mut distances, mut nearing) = (start, Vec::new(), Nearing::leaving(f64::INFINITY));
+        let mut failure = None;
         for _ in 0..MAX_PROJECTION_STEPS {
             let Level { value, gradients, size, .. } = Level::of(&self.constraint, &at, &at);
             let (_, roundings) = worst(&value, &size);
             if nearing.look(roundings, roundings <= 1.0, roundings <= NOISE).0 {
-                let body = Body { q: at.q, q_low: [0.0; D], p: at.p, p_low: [0.0; D] };
-                let slid = self.slide_to_hidden(0.0, &body);
-                return match slid {
-                    Ok((_, change, _)) => Ok(at.plus(&change)),
-                    Err(StepFailure::Phase(PhaseFailure::NoSlide { equation, residuals, .. })) => {
-                        Err(StartFailure::Phase(PhaseMistake::NoSlide { equation, residuals }))
-                    }
-                    Err(_) => Err(StartFailure::NoProjection { distances: distances.into_iter().collect() }),
-                };
+                match self.slide_from_afar(&at) {
+                    Ok(change) => return Ok(at.plus(&change)),
+                    Err(mistake) => failure = Some(mistake),
+                }
+                break;
             }
             let products = from_fn(|i| from_fn(|j| gradients[i].along(&gradients[j])));
             let Some(weights) = solve(products, value) else { break };
@@ -188,7 +239,37 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             distances.push(step.along(&step).sqrt());
             at = at.plus(&step);
         }
-        Err(StartFailure::NoProjection { distances: distances.into_iter().collect() })
+        // Where gradients depend on each other, corrections may have led anywhere.
+        let places = if failure.is_some() { vec![at] } else { vec![at, start] };
+        let dependent = places.iter().find_map(|at| Level::of(&self.constraint, at, at).dependent(at));
+        Err(match dependent.or(failure) {
+            Some(mistake) => StartFailure::Phase(mistake),
+            None => StartFailure::NoProjection { distances: distances.into_iter().collect() },
+        })
+    }
+
+    /// The change along the fibre to the hidden constraint, from however far: the largest {g, H} falls with each
+    /// correction, or where it cannot, full corrections are tried.
+    fn slide_from_afar<const D: usize>(&self, start: &Point<D>) -> Result<Point<D>, PhaseMistake>
+    where
+        K: PhaseConstraintKernel<f64, D, M>,
+        H: HamiltonianKernel<f64, D>,
+    {
+        // Where H overflows, {g, H} may be zero by that alone.
+        let finite = |change: &Point<D>| {
+            let at = start.plus(change);
+            self.energy.value(&at.q, &at.p).is_finite()
+        };
+        let mut slides = Slides::new();
+        let look = |sigma: &[f64; M]| {
+            let seen = self.look_along(start, &Point::ZERO, sigma, &mut slides);
+            seen.filter(|seen| finite(&seen.change))
+        };
+        solve_from_afar(look, |seen| seen.rest).map(|seen| seen.change).or_else(|mistake| {
+            let body = Body { q: start.q, q_low: [0.0; D], p: start.p, p_low: [0.0; D] };
+            let change = self.slide_to_hidden(0.0, &body).map(|(_, change, _)| change);
+            change.ok().filter(finite).ok_or(mistake)
+        })
     }
 }
 

@@ -1,0 +1,107 @@
+//! Starts in phase space: how far off `project` may begin, and what is told where equations repeat each other.
+
+use rattle::Error;
+use rattle::prelude::*;
+
+phase_constraint! {
+    /// A sphere of positions, of any scale: momenta slide along its normal.
+    struct Ball { c }
+    |q: [f64; 3], p: [f64; 3]| c * (dot(q, q) - 1) + 0 * p[0]
+}
+phase_constraint! {
+    /// Two circles of positions, each with a scale of its own.
+    struct Circles { a, b }
+    |q: [f64; 4], p: [f64; 4]| [a * (q[0]^2 + q[1]^2 - 1) + 0 * p[0], b * (q[2]^2 + q[3]^2 - 4)]
+}
+hamiltonian! {
+    /// A relativistic body with a weight: convex in p, and straight far away.
+    struct Fast {}
+    |q: [f64; 3], p: [f64; 3]| sqrt(1 + dot(p, p)) + q[2]
+}
+hamiltonian! {
+    /// Two bodies in a plane, that share one root.
+    struct Both {}
+    |q: [f64; 4], p: [f64; 4]| sqrt(1 + dot(p, p)) + q[1]
+}
+hamiltonian! {
+    /// Convex, and steeper and steeper.
+    struct Steep {}
+    |q: [f64; 3], p: [f64; 3]| exp(dot(p, p)) + q[2]
+}
+
+fn momentum<const D: usize>(state: Result<State<D>, Error>, what: &str) -> [f64; D] {
+    let state = state.unwrap_or_else(|error| panic!("{what}: {error}"));
+    state.momenta().next().unwrap().into()
+}
+
+/// Where energies are convex along the fibre, the momentum without normal part is the only one. It is known to the
+/// rounding of the momentum before: 16 roundings for the sums of three terms.
+#[test]
+fn momenta_far_along_the_fibre_slide_back() {
+    for c in [1.0, 1e6, -1e-6] {
+        for along in [0.3, 1.0, 1.2, 2.0, 5.0, -30.0, 1e3, 1e5] {
+            let what = format!("{along} along the normal, scale {c}");
+            let scene = Scene::in_phase_space(Ball { c }, Fast {});
+            let start = State::at([0.6, 0.0, -0.8]).moving([0.6 * along, 0.3, -0.8 * along]);
+            let p = momentum(scene.project(&start), &what);
+            let off = p[0].abs().max((p[1] - 0.3).abs()).max(p[2].abs());
+            println!("{what}: {p:?}");
+            assert!(off < 16.0 * f64::EPSILON * along.abs().max(1.0), "{what}: {p:?}");
+        }
+        let steep = Scene::in_phase_space(Ball { c }, Steep {});
+        let p = momentum(steep.project(&State::at([0.6, 0.0, -0.8]).moving([3.0, 0.3, -4.0])), "steep");
+        assert!(p[0].abs().max((p[1] - 0.3).abs()).max(p[2].abs()) < 80.0 * f64::EPSILON, "{p:?}");
+    }
+}
+
+/// The same with two constraints, of which one is far off and one near, in scales of their own.
+#[test]
+fn so_do_those_of_several_constraints() {
+    for (a, b) in [(1.0, 1.0), (1e5, 1e-3), (1e-4, 30.0)] {
+        for (one, other) in [(1.2, 50.0), (40.0, -0.1), (5.0, 5.0), (0.0, 300.0)] {
+            let what = format!("{one} and {other} along the normals, scales {a} and {b}");
+            let scene = Scene::in_phase_space(Circles { a, b }, Both {});
+            let p = [0.6 * one - 0.08, 0.8 * one + 0.06, other, 0.2];
+            let p = momentum(scene.project(&State::at([0.6, 0.8, 2.0, 0.0]).moving(p)), &what);
+            let exact = [-0.08, 0.06, 0.0, 0.2];
+            let off = (0..4).map(|i| (p[i] - exact[i]).abs()).fold(0.0, f64::max);
+            assert!(off < 16.0 * f64::EPSILON * f64::max(one.abs(), f64::abs(other)), "{what}: {p:?}");
+        }
+    }
+}
+
+phase_constraint! {
+    /// One equation, written `c` times as large once more.
+    struct Twice { c }
+    |q: [f64; 2], p: [f64; 2]| [dot(q, q) + dot(p, p) - 1, c * (dot(q, q) + dot(p, p) - 1)]
+}
+phase_constraint! {
+    /// The equation alone.
+    struct Once {}
+    |q: [f64; 2], p: [f64; 2]| dot(q, q) + dot(p, p) - 1
+}
+hamiltonian! {
+    struct Fall { g }
+    |q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + g * q[1]
+}
+
+#[test]
+fn equations_that_repeat_each_other_are_told() {
+    let once = Scene::in_phase_space(Once {}, Fall { g: 0.3 });
+    let off = State::at([-0.55, -0.83]).moving([0.03, 0.02]);
+    let on = once.project(&off).unwrap();
+    for c in [2.0, -3.0, 0.7, 1e4] {
+        let twice = Scene::in_phase_space(Twice { c }, Fall { g: 0.3 });
+        let errors = [
+            twice.project(&off).and_then(|start| twice.simulate(start, Rattle::new(0.01)).map(|_| ())),
+            twice.simulate(on.clone(), Rattle::new(0.01)).map(|_| ()),
+        ];
+        for error in errors {
+            let error = error.unwrap_err().to_string();
+            assert!(error.contains("equation 1") && error.contains("leave out"), "{c}: {error}");
+        }
+    }
+    // Where the only equation has no gradient, nothing leads to its surface.
+    let error = once.project(&State::at([0.0, 0.0])).unwrap_err().to_string();
+    assert!(error.contains("equation 0 has no gradient"), "{error}");
+}
