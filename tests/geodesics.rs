@@ -80,8 +80,8 @@ fn helices_and_circles_of_a_torus() {
 /// auxiliary sphere. Simpson's rule with 20 000 intervals: to rounding.
 fn bessel(a: f64, b: f64, alpha: f64, sigma: f64) -> (f64, Vector3<f64>) {
     let flat = (a - b) / a;
-    let k = (a * a - b * b).sqrt() / b * alpha.cos();
-    let root = |s: f64| (1.0 + (k * s.sin()).powi(2)).sqrt();
+    let square = (a * a - b * b) * (alpha.cos() / b).powi(2); // less than 0 where b is longer
+    let root = |s: f64| (1.0 + square * s.sin().powi(2)).sqrt();
     let simpson = |f: &dyn Fn(f64) -> f64| {
         let (n, mut sum) = (20_000, 0.0);
         for i in 0..=n {
@@ -221,6 +221,7 @@ fn what_is_not_found_is_told() {
     let other = geodesic_distance(&Two {}, &vector![2.0, 0.0, 1.0], &vector![-2.0, 0.0, 1.0]).unwrap_err();
     assert!(matches!(other, GeodesicError::NotFound { .. }), "{other}");
     assert!(other.to_string().contains("misses the end of a chord of 4.000e0"), "{other}");
+    assert!(other.to_string().contains("conjugate to a"), "{other}");
 }
 
 /// Half of the circumference of a torus lies in nobody's straight way: every two points are joined by a geodesic, the
@@ -316,6 +317,82 @@ fn to_the_opposite() {
     );
     let off = inside.unwrap().distance - 0.5 * std::f64::consts::PI;
     assert!(off.abs() < 1e-12, "{off:e}");
+}
+
+constraint! {
+    /// A sphere in four dimensions.
+    struct Hypersphere { r }
+    |a, b, c, d| a^2 + b^2 + c^2 + d^2 - r^2
+}
+
+/// Places on a ring around the antipode, π − δ away in units of the radius: nearly conjugate. A rounding of places by ε
+/// turns directions by ε/δ.
+#[test]
+fn around_the_antipode() {
+    let pi = std::f64::consts::PI;
+    for (r, turn) in [(1.0, 0.0_f64), (1.0, 2.5), (1.0, 4.0), (2.0, 4.0), (1e3, 0.7)] {
+        for delta in [3e-3_f64, 1e-3, 1e-5, 1e-8, 1e-12, 0.0] {
+            let to = vector![0.0, turn.cos(), turn.sin()];
+            let (a, b) = (vector![r, 0.0, 0.0], (to * delta.sin() - Vector3::x() * delta.cos()) * r);
+            let way = geodesic_distance(&Sphere { r }, &a, &b).unwrap();
+            let off = way.distance / r - (pi - delta);
+            assert!(off.abs() < 1e-12, "r = {r}, {turn}, δ = {delta:e}: {off:e}");
+            let turned = (way.from - to).norm() * delta;
+            assert!(turned < 1e-12, "r = {r}, {turn}, δ = {delta:e}: {turned:e}");
+        }
+    }
+    for delta in [1e-2_f64, 1e-5] {
+        let (a, to) = (vector![0.6, 0.8, 0.0, 0.0], vector![-0.64, 0.48, 0.0, 0.6]);
+        let way =
+            geodesic_distance(&Hypersphere { r: 1.0 }, &a, &(to * delta.sin() - a * delta.cos())).unwrap();
+        let off = way.distance - (pi - delta);
+        assert!(off.abs() < 1e-12 && (way.from - to).norm() * delta < 1e-12, "δ = {delta:e}: {off:e}");
+    }
+}
+
+/// Nearly spheres, whose conjugate points lie on an astroid as small as they are flat, by Bessel's integrals. A
+/// geodesic of an oblate spheroid is the shortest one until it has come to the opposite latitude (σ = π), that of a
+/// prolate one until it has come to the opposite meridian.
+#[test]
+fn near_the_antipodes_of_spheroids() {
+    for (a, b, gaps) in [(1.0001, 1.0, [1e-3, 1e-5, 1e-7]), (1.0, 1.0001, [1e-2, 2e-3, 5e-4])] {
+        for (gap, alpha) in gaps.into_iter().zip([0.6_f64, 1.2, 0.1]) {
+            let sigma = -0.4;
+            let (start, first) = bessel(a, b, alpha, sigma);
+            let (end, last) = bessel(a, b, alpha, sigma + std::f64::consts::PI - gap);
+            assert!(first.cross(&last).z > 0.0, "the opposite meridian is not passed");
+            let way = geodesic_distance(&Ellipsoid { a, b: a, c: b }, &first, &last).unwrap();
+            let off = way.distance - (end - start);
+            assert!(off.abs() < 1e-12, "{a}, {b}, {gap:e}: {off:e}");
+        }
+    }
+}
+
+/// The outer equator of a torus is the shortest way until its conjugate point, at φ = π √(r/(R + r)). Beyond it two
+/// ways are as long, mirror images of each other, and each of itself in the meridian half way.
+#[test]
+fn near_the_conjugate_point_of_an_equator() {
+    let (major, minor) = (1.0_f64, 0.5);
+    let (torus, out) = (Torus { major, minor }, major + minor);
+    let start = vector![out, 0.0, 0.0];
+    let to = |b: Vector3<f64>| geodesic_distance(&torus, &start, &b).unwrap().distance;
+    for gap in [-1e-3, -1e-6, 1e-3, 1e-2] {
+        let phi = std::f64::consts::PI * (minor / out).sqrt() + gap;
+        let found = to(vector![out * phi.cos(), out * phi.sin(), 0.0]);
+        let half = |theta: f64| {
+            let wide = major + minor * theta.cos();
+            2.0 * to(vector![wide * (0.5 * phi).cos(), wide * (0.5 * phi).sin(), minor * theta.sin()])
+        };
+        let (mut low, mut high) = (0.0, 0.8);
+        for _ in 0..40 {
+            let (left, right) = (low + 0.4 * (high - low), low + 0.6 * (high - low));
+            *(if half(left) < half(right) { &mut high } else { &mut low }) =
+                if half(left) < half(right) { right } else { left };
+        }
+        let exact = if gap < 0.0 { out * phi } else { half(0.5 * (low + high)) };
+        assert!((found - exact).abs() < 1e-12, "{gap}: {:e}", found - exact);
+        assert!(gap < 0.0 || exact < out * phi - 1e-7, "{gap}: the equator is longer");
+    }
 }
 
 constraint! {

@@ -279,7 +279,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     }
 
     /// The state with every position moved onto the constraints, by Newton's method along their gradients, and
-    /// every momentum made tangent.
+    /// every momentum made tangent. On a surface, a body on an edge over which its momentum leads is put on the face
+    /// beyond, by some roundings, if the momentum is more nearly tangent to that one.
     ///
     /// # Errors
     /// [`Error::Start`] where no such position is found, or the input is not finite; [`Error::BodyCount`] for a state

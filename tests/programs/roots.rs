@@ -20,6 +20,8 @@ mod kinks;
 mod kinks_phase;
 #[path = "../kinks_projected.rs"]
 mod kinks_projected;
+#[path = "../kinks_starts.rs"]
+mod kinks_starts;
 #[path = "../laws.rs"]
 mod laws;
 #[path = "../phase_starts.rs"]

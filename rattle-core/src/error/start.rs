@@ -49,14 +49,24 @@ pub enum StartFailure {
     },
     /// The momentum is not tangent to the surface.
     #[error(
-        "momentum is not tangent: |∇g·p|/(|∇g||p|) = {sine:.3e}, allowed {tolerance:.1e}; \
-         `scene.project(state)` takes its normal part away"
+        "momentum is not tangent: |∇g·p|/(|∇g||p|) = {sine:.3e}, allowed {tolerance:.1e}; {}",
+        edge.map_or_else(
+            || "`scene.project(state)` takes its normal part away".to_owned(),
+            |argument| format!(
+                "the start lies on an edge, where `{argument}` changes its sign, and the momentum leads over it: \
+                 `scene.project(state)` puts the start on that of the two faces to which the momentum is more nearly \
+                 tangent, by some roundings, and takes away what is normal to that face"
+            )
+        )
     )]
     NotTangent {
         /// Sine of the angle between p and the tangent plane.
         sine: f64,
         /// The largest sine allowed.
         tolerance: f64,
+        /// Where the start lies on an edge over which the momentum leads: the term of the constraint's expression that
+        /// changes its sign there.
+        edge: Option<&'static str>,
     },
     /// An equation between linked bodies does not hold at the start.
     #[error(

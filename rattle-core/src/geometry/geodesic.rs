@@ -1,5 +1,6 @@
 //! The distance between two points along a surface.
 
+use crate::geometry::conjugate::{from_near, settled};
 use crate::geometry::detour::detours;
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::kernel::geodesic::{Missed, Shot, length, normal, shoot, shoot_along};
@@ -26,8 +27,11 @@ pub struct Geodesic<const D: usize> {
 /// It is found by [shooting](crate::kernel::geodesic) from the chord: some hundred evaluations of ∇g and ∇²g. Where
 /// that fails, or leads farther than 1.1 chords, ways through a graph of some hundred points of the surface are drawn
 /// tight, and shot along too: some hundred thousand evaluations, or 10 to 50 ms. Nothing proves that there is no
-/// shorter one; where two ways are nearly as long, the other one may be found. What is narrower than the points of the
-/// graph, such as the rim of a plate, can be missed: an error then. The distance from b to a is the same number.
+/// shorter one; where two ways are nearly as long, the other one may be found. Near a point
+/// conjugate to a, where many geodesics meet, as in the antipode of a sphere, the distance
+/// is as exact as elsewhere; a rounding of b turns the direction by more, the nearer it is. What is narrower than the
+/// points of the graph, such as the rim of a plate, can be missed: an error then. The distance from b to a is the same
+/// number.
 ///
 /// ```
 /// use rattle::curvature::geodesic_distance;
@@ -86,7 +90,8 @@ fn between<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     let others = detours(kernel, a, b).into_iter().filter_map(|way| along(kernel, &way));
     let others = others.filter(|shot| shot.distance < (1.0 - SHORTER) * found);
     let shortest = others.min_by(|one, other| one.distance.total_cmp(&other.distance));
-    shortest.map_or(straight, Ok).map_err(|missed| not_found(&chord, missed))
+    let shortest = shortest.map_or(straight, Ok).map_err(|missed| not_found(&chord, missed))?;
+    Ok(settled(kernel, a, &chord, shortest))
 }
 
 #[cold]
@@ -106,15 +111,20 @@ fn along<K: ConstraintKernel<f64, D, 1>, const D: usize>(kernel: &K, way: &[[f64
     let (first, normal) = (add_scaled(&way[1], -1.0, a), normal(kernel, a));
     let along = add_scaled(&first, -dot(&first, &normal), &normal);
     let (mut unit, mut at, mut ahead) = (scaled(1.0 / length(&along), &along), 0, last);
+    // The next place, and so b, may be near a point conjugate to a.
+    let end = |v: [f64; D]| {
+        let found = from_near(kernel, a, &add_scaled(&way[last], -1.0, a), &v)?;
+        (found.distance <= LONGER * gone[last]).then_some(found)
+    };
     loop {
         let next = (at + ahead).min(last);
-        let chord = add_scaled(&way[next], -1.0, a);
+        let (chord, v) = (add_scaled(&way[next], -1.0, a), scaled(gone[next], &unit));
         let near = |shot: &Shot<D>| shot.distance <= LONGER * gone[next];
-        match shoot_along(kernel, a, &chord, scaled(gone[next], &unit)).ok().filter(near) {
+        match shoot_along(kernel, a, &chord, v).ok().filter(near) {
             Some(shot) if next == last => return Some(shot),
             Some(shot) => (unit, at, ahead) = (shot.from, next, 2 * ahead),
             None if ahead > 1 => ahead /= 2,
-            None => return None,
+            None => return end(scaled(gone[last], &unit)),
         }
     }
 }
@@ -155,7 +165,7 @@ pub enum GeodesicError {
     #[error(
         "no geodesic found: the best of {tries} tries, of length {length:.3e}, misses the end of a chord of {chord:.3e} by \
          {by:.3e}; the places may be on parts of the surface that do not hang together, or one beyond an edge that is \
-         too sharp to be followed"
+         too sharp to be followed, or b near a point conjugate to a, where many geodesics meet: move b a little"
     )]
     NotFound {
         /// The straight distance.

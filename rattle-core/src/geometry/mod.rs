@@ -1,5 +1,6 @@
 //! Geometry of constraint surfaces: curvatures, distances along them, integrals over closed ones, and random points.
 
+mod conjugate;
 pub mod curvature;
 mod detour;
 pub mod geodesic;

@@ -35,7 +35,7 @@ const MUCH: f64 = 1e3;
 /// A correction is halved so often where it does not lead nearer.
 const SHORTER: usize = 8;
 /// What may be missed in the end, as part of the coordinates and the way, where nothing leads nearer.
-const MISSED: f64 = 1e-12;
+pub(crate) const MISSED: f64 = 1e-12;
 
 /// A geodesic from a to b.
 #[derive(Debug, Clone, Copy)]
@@ -94,29 +94,39 @@ pub(crate) fn shoot_along<K: ConstraintKernel<f64, D, 1>, const D: usize>(
 }
 
 /// A place to start from, and one to hit.
-struct Aim<'a, K, const D: usize> {
+pub(crate) struct Aim<'a, K, const D: usize> {
     kernel: &'a K,
     a: &'a [f64; D],
     chord: &'a [f64; D],
     /// Unit normals at both.
-    here: [f64; D],
-    there: [f64; D],
+    pub(crate) here: [f64; D],
+    pub(crate) there: [f64; D],
     /// The larger of both, in its largest coordinate.
     size: f64,
 }
 
 /// What a try misses through space, and along the surface, turned back to the start; and its velocity at the end.
-type Try<const D: usize> = ([f64; D], [f64; D], [f64; D]);
+pub(crate) type Try<const D: usize> = ([f64; D], [f64; D], [f64; D]);
 
 impl<'a, K: ConstraintKernel<f64, D, 1>, const D: usize> Aim<'a, K, D> {
-    fn new(kernel: &'a K, a: &'a [f64; D], chord: &'a [f64; D]) -> Self {
+    pub(crate) fn new(kernel: &'a K, a: &'a [f64; D], chord: &'a [f64; D]) -> Self {
         let b = sum(a, chord);
         let (here, there) = (normal(kernel, a), normal(kernel, &b));
         Self { kernel, a, chord, here, there, size: largest(a).max(largest(&b)) }
     }
 
+    /// What is added where a way of this length ends.
+    pub(crate) fn extent(&self, way: f64) -> f64 {
+        self.size + way.max(length(self.chord))
+    }
+
+    /// What may be missed, by rounding.
+    pub(crate) fn floor(&self, way: f64) -> f64 {
+        4.0 * f64::EPSILON * self.extent(way)
+    }
+
     /// Where a velocity leads; none where the motion is not found.
-    fn look(&self, v: &[f64; D]) -> Option<Try<D>> {
+    pub(crate) fn look(&self, v: &[f64; D]) -> Option<Try<D>> {
         let Self { here, there, .. } = self;
         let (way, speed) = fly(self.kernel, self.a, v)?;
         let miss = add_scaled(self.chord, -1.0, &way);
@@ -162,8 +172,8 @@ impl<'a, K: ConstraintKernel<f64, D, 1>, const D: usize> Aim<'a, K, D> {
         let lost = |by: f64, length: f64, tries| Missed { by, length, tries };
         let longest = LONGER * length(&v);
         for tries in 1..most {
-            let size = self.size + straight.max(length(&v));
-            let floor = 4.0 * f64::EPSILON * size;
+            let size = self.extent(length(&v));
+            let floor = self.floor(length(&v));
             // What is missed across the surface is of second order in what is missed along it, unless b is elsewhere.
             let there = length(&now.0) <= 1e-6 * straight + floor;
             if there && length(&now.1) <= floor {
@@ -209,7 +219,7 @@ impl<'a, K: ConstraintKernel<f64, D, 1>, const D: usize> Aim<'a, K, D> {
 }
 
 /// The geodesic of a try: what it missed along its way belongs to its length, by the first variation.
-fn shot<const D: usize>(v: &[f64; D], (miss, _, speed): &Try<D>) -> Shot<D> {
+pub(crate) fn shot<const D: usize>(v: &[f64; D], (miss, _, speed): &Try<D>) -> Shot<D> {
     let unit = |v: &[f64; D]| scaled(1.0 / length(v), v);
     let (from, to) = (unit(v), unit(speed));
     Shot { distance: length(v) + dot(&to, miss), from, to }

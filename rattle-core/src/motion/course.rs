@@ -66,6 +66,21 @@ pub(crate) fn look<S: Method, T: Scalar, Y: System<T, D>, const D: usize>(
     Ok(())
 }
 
+/// The kink that lies ahead of bodies which have coasted from where they were saved: straight on, or where the
+/// constraints would take them from there.
+#[cold]
+pub(crate) fn kink_ahead<T: Scalar, Y: System<T, D>, const D: usize>(
+    system: &Y,
+    before: &Saved<Y::Count, T, D>,
+    bodies: &mut BodiesOf<Y, T, D>,
+) -> Option<Failure> {
+    let straight = system.check_kinks(before, bodies).err();
+    straight.or_else(|| {
+        system.lean(before, bodies);
+        system.check_kinks(before, bodies).err()
+    })
+}
+
 /// Looks at the energy after a step of this length.
 #[inline(always)]
 pub(crate) fn check_energy<T: Scalar, Y: System<T, D>, const D: usize>(

@@ -87,4 +87,9 @@ pub trait Guarded<T: Scalar, const D: usize>: Affected<T, D> {
         }
         bodies.time += h;
     }
+
+    /// Moves bodies that coasted towards the constraints, along the normals that these had before: where a step may
+    /// have led that began along an edge, which no coasting body leaves. Does nothing where edges are not looked for
+    /// so.
+    fn lean(&self, _before: &Saved<Self::Count, T, D>, _bodies: &mut BodiesOf<Self, T, D>) {}
 }

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::methods::able::{no_way_back, view};
 use crate::methods::brownian;
 use crate::motion::bodies::{Bodies, Saved};
-use crate::motion::course::check;
+use crate::motion::course::{check, kink_ahead};
 use crate::motion::failure::Failure;
 use crate::motion::identity::Identity;
 use crate::motion::method::{Method, check_tolerance};
@@ -473,7 +473,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         } else {
             self.system.coast(h, &mut self.bodies);
         }
-        if let Err(kink) = self.system.check_kinks(&self.before, &self.bodies) {
+        if let Some(kink) = kink_ahead(&self.system, &self.before, &mut self.bodies) {
             *failure = kink;
         }
         self.put_back();

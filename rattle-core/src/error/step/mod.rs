@@ -78,8 +78,7 @@ pub enum StepFailure {
     /// [`over_kinks`](crate::run::simulation::Simulation::over_kinks).
     #[error(
         "{} has a kink where `{argument}` changes its sign, after {share:.3} of the step at q = {position:?}: {}; a smooth form \
-         has none, such as sqrt(x^2 + eps^2) for abs(x), go around it, or let \
-         `over_kinks` take the momentum over the edge", constraint(equation.as_deref()), jumps(*angle, *gap)
+         has none, such as sqrt(x^2 + eps^2) for abs(x), go around it, or {}", constraint(equation.as_deref()), jumps(*angle, *gap), instead(*share)
     )]
     Kink {
         /// The term of the constraint's expression that changes its sign.
@@ -164,6 +163,18 @@ fn unless_many(impacts: u64) -> &'static str {
 fn beside(off: f64) -> String {
     if off.is_nan() { "off".into() } else { format!("{off:.1e} beside") }
 }
+
+/// What can be done about a kink after this share of the step.
+fn instead(share: f64) -> &'static str {
+    if share < AT_ONCE {
+        "begin beside it, as the step begins on this edge; `over_kinks` takes a momentum over an edge, and none along it"
+    } else {
+        "let `over_kinks` take the momentum over the edge"
+    }
+}
+
+/// A step begins on an edge that comes after less than this part of it: edges are found to 2⁻²⁰ of a way.
+const AT_ONCE: f64 = 2e-6;
 
 /// What jumps.
 fn jumps(angle: f64, gap: f64) -> String {

@@ -6,6 +6,7 @@ use crate::effect::noise::Noise;
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::{Body, Saved};
+use crate::motion::course::kink_ahead;
 use crate::motion::failure::Failure;
 use crate::motion::method::{Renewal, Stage};
 use crate::motion::parts::BodiesOf;
@@ -436,7 +437,7 @@ pub(super) fn of_a_kink_ahead<S: Lane, Y: System<S, D>, const D: usize>(
     }
     system.put_back(bodies, start);
     coast(bodies);
-    system.check_kinks(start, bodies).err().unwrap_or(failure)
+    kink_ahead(system, start, bodies).unwrap_or(failure)
 }
 
 /// Bodies in a lane's numbers.

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, History, StartFailure};
 use crate::kernel::functions::ConstraintKernel;
+use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::motion::bodies::Body;
 use crate::motion::start::DIRECTION;
 use crate::motion::start::MAX_PROJECTION_STEPS;
@@ -69,9 +70,36 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     let speed = dot(&direction, &direction).sqrt();
     // A way that is shorter than positions are rounded has no direction: that of who rests after rounding.
     if tangent && path > f64::EPSILON * coordinates && along_normal > START_TOLERANCE * speed {
-        return Err(StartFailure::NotTangent { sine: along_normal / speed, tolerance: START_TOLERANCE });
+        let edge = beyond(constraint, &body.q, &body.p).map(|(argument, _)| argument);
+        return Err(StartFailure::NotTangent {
+            sine: along_normal / speed,
+            tolerance: START_TOLERANCE,
+            edge,
+        });
     }
     Ok(())
+}
+
+/// How often a way over an edge is made longer, from a rounding on, and by how much.
+const LONGER: (u32, f64) = (6, 4.0);
+
+/// For a body on an edge over which its momentum leads: what changes its sign there, and how long to go straight on
+/// until that has happened.
+fn beyond<K: ConstraintKernel<f64, D, 1>, const D: usize>(
+    constraint: &K,
+    q: &[f64; D],
+    p: &[f64; D],
+) -> Option<(&'static str, f64)> {
+    let speed = largest(p);
+    if const { K::KINKS.is_empty() } || speed == 0.0 {
+        return None;
+    }
+    let (times, factor) = LONGER;
+    let least = (f64::EPSILON * largest(q)).max(f64::EPSILON * f64::EPSILON) / speed; // in the origin any will do
+    (0..times).map(|k| least * factor.powi(k.cast_signed())).find_map(|time| {
+        let kink = first_kink::<f64, _, D, 1, 1>(constraint, &[*q], &[add_scaled(q, time, p)])?;
+        Some((kink.argument, time))
+    })
 }
 
 fn not_finite<const D: usize>(value: f64, gradient: &[f64; D], q: &[f64; D]) -> StartFailure {
@@ -89,14 +117,61 @@ pub(crate) fn project<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     Ok(State { bodies, remembered: None, ..*state })
 }
 
-/// Newton's iteration q ← q − ∇g g/|∇g|², to the rounding floor.
+/// The nearby point, and the momentum without the normal part. From an edge over which the momentum leads, the face
+/// beyond is taken if the momentum is more nearly tangent to that one.
 fn project_body<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     constraint: &K,
     body: &Body<f64, D>,
 ) -> Result<Body<f64, D>, StartFailure> {
     finite("position", &body.q)?;
     finite("momentum", &body.p)?;
-    let mut q = body.q;
+    let (q, normal) = nearest(constraint, body.q)?;
+    let (q, normal) = face_beyond(constraint, &q, &body.p, &normal).unwrap_or((q, normal));
+    Ok(Body { q, q_low: [0.0; D], p: tangent(&normal, &body.p), p_low: [0.0; D] })
+}
+
+/// A momentum without its normal part.
+fn tangent<const D: usize>(normal: &Normal<f64, D>, p: &[f64; D]) -> [f64; D] {
+    let mut p = *p;
+    for _ in 0..2 {
+        p = add_scaled(&p, 1.0, &normal.projection(&p).1); // the second time takes what rounding left
+    }
+    p
+}
+
+/// A place right beyond an edge on which q lies, with its normal, if the momentum leads there and is more nearly
+/// tangent to that face than to the one whose normal is that at q.
+fn face_beyond<K: ConstraintKernel<f64, D, 1>, const D: usize>(
+    constraint: &K,
+    q: &[f64; D],
+    p: &[f64; D],
+    normal: &Normal<f64, D>,
+) -> Option<([f64; D], Normal<f64, D>)> {
+    let scale = largest(p).max(f64::MIN_POSITIVE); // squares of momenta may leave the floats
+    let (unit, speed) = (scaled(1.0 / scale, p), length_of(&scaled(1.0 / scale, p)));
+    let across = |normal: &Normal<f64, D>| length_of(&normal.projection(&unit).1) / speed;
+    if const { K::KINKS.is_empty() } || across(normal) <= START_TOLERANCE || across(normal).is_nan() {
+        return None;
+    }
+    let (_, time) = beyond(constraint, q, &unit)?;
+    let there = add_scaled(q, time, &unit);
+    let [gradient] = constraint.jacobian(&there);
+    let other = Normal::new(gradient);
+    if across(&other) >= across(normal) {
+        return None;
+    }
+    // Along that face, and not back over the edge.
+    let along = tangent(&other, &unit);
+    let (place, found) = nearest(constraint, add_scaled(q, time, &along)).ok()?;
+    let stays = |to: &[f64; D]| !sign_changes::<f64, _, D, 1, 1>(constraint, &[there], &[*to]);
+    (stays(&place) && stays(&add_scaled(&place, time, &along))).then_some((place, found))
+}
+
+/// Newton's iteration q ← q − ∇g g/|∇g|², to the rounding floor, and the normal there.
+fn nearest<K: ConstraintKernel<f64, D, 1>, const D: usize>(
+    constraint: &K,
+    mut q: [f64; D],
+) -> Result<([f64; D], Normal<f64, D>), StartFailure> {
     let mut distances: Vec<f64> = Vec::new();
     let (mut nearing, mut last_square) = (Nearing::leaving(f64::INFINITY), 0.0);
     for _ in 0..MAX_PROJECTION_STEPS {
@@ -117,12 +192,7 @@ fn project_body<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         let near = (square - last_square).abs() <= straight::<f64>() * square;
         last_square = square;
         if nearing.look(distance, distance <= f64::EPSILON * size_along(&gradient, length, &q), near).0 {
-            let normal = Normal::new(gradient);
-            let mut p = body.p;
-            for _ in 0..2 {
-                p = add_scaled(&p, 1.0, &normal.projection(&p).1); // the second time takes what rounding left
-            }
-            return Ok(Body { q, q_low: [0.0; D], p, p_low: [0.0; D] });
+            return Ok((q, Normal::new(gradient)));
         }
         distances.push(distance);
         q = add_scaled(&q, -value / square, &gradient);

@@ -26,7 +26,7 @@ use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
 use crate::number::real::Scalar;
-use crate::number::vector::{dot, scaled};
+use crate::number::vector::{add_scaled, dot, scaled, sum};
 use crate::solve::aim::{Aim, Pace};
 use crate::systems::surface::crowd::Crowd;
 use crate::systems::surface::diagnosis::FailureAt;
@@ -166,6 +166,21 @@ where
         }
         let mut ways = before.q.as_ref().iter().zip(now.q.as_ref());
         ways.any(|(from, to)| sign_changes(&self.constraint, &[*from], &[*to]))
+    }
+
+    fn lean(&self, before: &Saved<N, T, D>, bodies: &mut BodiesOf<N, T, F, D>) {
+        let normals = bodies.kept.normal.as_ref();
+        for ((q, from), normal) in bodies.q.as_mut().iter_mut().zip(before.q.as_ref()).zip(normals) {
+            let [g] = self.constraint.value(q);
+            let (shift, way) = (
+                scaled(-g * normal.inverse_square, &normal.gradient),
+                add_scaled(q, T::from_f64(-1.0), from),
+            );
+            // A constraint that takes a body farther than it went tells nothing.
+            if dot(&shift, &shift).le(dot(&way, &way)) {
+                *q = sum(q, &shift);
+            }
+        }
     }
 
     fn kinked_normal(&self, bodies: &BodiesOf<N, T, F, D>, kink: &Failure, normal: &mut [[T; D]]) {
