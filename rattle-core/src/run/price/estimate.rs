@@ -31,8 +31,10 @@ use crate::run::simulation::Simulation;
 use std::fmt;
 use std::iter::zip;
 
-/// Corrections of the last of the variable steps: the density of steps changes little within one.
+/// Corrections of the last of the variable steps: the density of steps changes little within one. Where it does change,
+/// as many halvings follow as double numbers have digits.
 const CORRECTIONS: u32 = 16;
+const HALVINGS: u32 = 53;
 /// A variable step is at most so many times as long as the longest: their density follows the wanted one to a factor.
 const LONGER: f64 = 3.0;
 
@@ -203,14 +205,17 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             if left(self) >= -rounding {
                 continue;
             }
-            let (way, mut part) = (left(&before), 1.0);
-            for _ in 0..CORRECTIONS {
-                part *= way / (way - left(self));
+            let (way, mut part, mut short, mut long) = (left(&before), 1.0, 0.0, 1.0);
+            for number in 0..CORRECTIONS + HALVINGS {
+                let fitting = part * way / (way - left(self));
+                let is_between = number < CORRECTIONS && short < fitting && fitting < long;
+                part = if is_between { fitting } else { 0.5 * (short + long) };
                 *self = Self { method: before.method.with_step(part * longest), ..before.clone() };
                 self.step()?;
                 if left(self).abs() <= rounding {
                     break;
                 }
+                *(if left(self) > 0.0 { &mut short } else { &mut long }) = part;
             }
             break;
         }
