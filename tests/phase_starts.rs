@@ -70,6 +70,29 @@ fn so_do_those_of_several_constraints() {
     }
 }
 
+/// c·g = 0 moves as g = 0 does, whatever the scale of each equation: a simulation, and its ensemble.
+#[test]
+fn equations_have_scales_of_their_own() {
+    let moved = |a: f64, b: f64| {
+        let scene = Scene::in_phase_space(Circles { a, b }, Both {});
+        let start = scene.project(&State::at([0.6, 0.8, 2.0, 0.0]).moving([-0.4, 0.4, 0.1, 0.7])).unwrap();
+        let mut simulation =
+            scene.simulate(start.clone(), Rattle::new(0.02)).unwrap_or_else(|e| panic!("{e}"));
+        simulation.run(200).unwrap_or_else(|e| panic!("{a} {b}: {e}"));
+        let mut ensemble = scene.ensemble(vec![start; 3], Rattle::new(0.02)).unwrap();
+        ensemble.run(200);
+        let lane = ensemble.state(1);
+        [simulation.state(), lane].map(|state| <[f64; 4]>::from(state.positions().next().unwrap()))
+    };
+    let [one, _] = moved(1.0, 1.0);
+    for (a, b) in [(1.0, 1.0), (1e5, 1e-3), (1e-4, 30.0), (1e-30, 1e30)] {
+        for other in moved(a, b) {
+            let off = (0..4).map(|i| (one[i] - other[i]).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-13, "scales {a} and {b}: off by {off:e}");
+        }
+    }
+}
+
 phase_constraint! {
     /// One equation, written `c` times as large once more.
     struct Twice { c }

@@ -95,7 +95,10 @@ pub enum PhaseMistake {
 /// Which gradients depend on each other.
 fn dependent(equation: usize, part: f64) -> String {
     if part.is_nan() {
-        return format!("equation {equation} has no gradient here: start elsewhere");
+        return format!(
+            "equation {equation} has no gradient here: start elsewhere; or if it has none anywhere, as a square, \
+             constrain what is squared"
+        );
     }
     format!(
         "the gradients of the equations depend on each other here: that of equation {equation} is made of those of \

@@ -1,14 +1,18 @@
 //! A few linear equations.
 
 use crate::number::real::Real;
-use crate::number::vector::add_scaled;
+use crate::number::vector::{add_scaled, largest};
 
-/// The solution of a few linear equations, by elimination with row exchanges; none if they are dependent.
+/// The solution of a few linear equations, by elimination with row exchanges, whatever the scale of each equation; none
+/// if they are dependent.
 pub(crate) fn solve<const M: usize>(mut a: [[f64; M]; M], mut b: [f64; M]) -> Option<[f64; M]> {
+    let mut sizes = a.map(|row| largest(&row));
     for k in 0..M {
-        let pivot = (k..M).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()))?;
+        let share = |i: usize| a[i][k].abs() / sizes[i];
+        let pivot = (k..M).max_by(|&i, &j| share(i).total_cmp(&share(j)))?;
         a.swap(k, pivot);
         b.swap(k, pivot);
+        sizes.swap(k, pivot);
         if a[k][k] == 0.0 || !a[k][k].is_finite() {
             return None;
         }

@@ -5,8 +5,7 @@
 //! ```
 //!
 //! The stages are iterated in all lanes; a lane that rests keeps its own. What is kept of a slide are the fₘ, so that
-//! one by another σ begins with them. A lane whose stages come nearer too slowly, where a simulation divides the slide
-//! into parts, goes by itself.
+//! one by another σ begins with them. A lane where a simulation divides the slide into parts goes by itself.
 
 use crate::kernel::functions::PhaseConstraintKernel;
 use crate::number::lanes::Fused;
@@ -14,7 +13,7 @@ use crate::number::real::Real;
 use crate::number::vector::largest;
 use crate::number::vectors::at;
 use crate::run::ensemble::phase_row::{Each, Laws, Points, ROW, Vector, ZEROS};
-use crate::systems::phase::fibre::{A, B, CONTRACTION, LEFT, NEARER, ROUNDING, SHRINKS, STAGES};
+use crate::systems::phase::fibre::{A, B, CONTRACTION, DECAY, DETAILS, LEFT, ROUNDING, SHRINKS, STAGES};
 
 /// A lane goes on, rests, or goes by itself.
 pub(super) const GOES: f64 = 1.0;
@@ -70,14 +69,13 @@ impl<const D: usize, const M: usize> Slide<D, M> {
         }
     }
 
-    /// Slides by σ from these points where lanes are going. `anew` says that the directions are those of the start.
+    /// Slides by σ from these points where lanes are going.
     #[inline(always)]
     pub(super) fn slide(
         &mut self,
         laws: &impl Laws<D, M>,
         start: &Points<D>,
         sigma: &[Each; M],
-        anew: bool,
         going: &mut Each,
     ) {
         let Self { directions, stages, speeds, change, sliding, sizes, moved, weights, size, last, rate } =
@@ -102,12 +100,19 @@ impl<const D: usize, const M: usize> Slide<D, M> {
             if pass == 0 {
                 weigh(start, moved, sizes, weights, size);
             }
-            if !decide(pass, anew, moved, weights, size, last, rate, sliding) {
+            if !decide(pass, moved, weights, size, last, rate, sliding) {
                 break;
             }
         }
         for d in 0..D {
             gather(d, speeds, change);
+        }
+        for (detail, most) in DETAILS.iter().zip([DECAY.powi(3), DECAY.powi(4)]) {
+            *moved = [ZEROS; 2];
+            for d in 0..D {
+                grow(d, speeds, detail, moved);
+            }
+            judge(moved, weights, size, most, sliding);
         }
         for l in 0..ROW {
             let lost = sliding[l].lt(Fused(0.0));
@@ -237,7 +242,6 @@ fn look<const D: usize, const M: usize>(
 #[allow(clippy::too_many_arguments, reason = "what passes move, and what is made of it")]
 fn decide(
     pass: usize,
-    anew: bool,
     moved: &[Each; 2],
     weights: &[Each; 2],
     size: &Each,
@@ -247,8 +251,7 @@ fn decide(
 ) -> bool {
     let [zero, half, goes, by_itself] = [0.0, 0.5, GOES, BY_ITSELF].map(Fused);
     let [left, epsilon, rounding, shrinks] = [LEFT, f64::EPSILON, ROUNDING, SHRINKS].map(Fused);
-    let slowest = if anew { CONTRACTION } else { NEARER };
-    let slowest = Fused(slowest * slowest);
+    let slowest = Fused(CONTRACTION * CONTRACTION);
     let (first, late, end) = (pass == 0, pass > 1, pass + 1 == MOST_PASSES);
     let mut any = false;
     for l in 0..ROW {
@@ -269,6 +272,33 @@ fn decide(
         any |= zero.lt(sliding[l]);
     }
     any
+}
+
+/// The largest coordinates and momenta of a sum over the stages, up to this one.
+#[inline(always)]
+fn grow<const D: usize>(
+    d: usize,
+    speeds: &[Points<D>; STAGES],
+    weights: &[f64; STAGES],
+    [most_q, most_p]: &mut [Each; 2],
+) {
+    for l in 0..ROW {
+        let (mut q, mut p) = (Fused(0.0), Fused(0.0));
+        for j in 0..STAGES {
+            q = Fused(weights[j]).multiply_add(speeds[j].q[d][l], q);
+            p = Fused(weights[j]).multiply_add(speeds[j].p[d][l], p);
+        }
+        (most_q[l], most_p[l]) = (most_q[l].max(q.abs()), most_p[l].max(p.abs()));
+    }
+}
+
+/// Lanes in which that is more than this part of the motion go by themselves.
+#[inline(always)]
+fn judge(found: &[Each; 2], weights: &[Each; 2], size: &Each, most: f64, sliding: &mut Each) {
+    for l in 0..ROW {
+        let off = (found[0][l] * weights[0][l]).max(found[1][l] * weights[1][l]);
+        sliding[l] = Real::select(off.le(Fused(most) * size[l]), sliding[l], Fused(BY_ITSELF));
+    }
 }
 
 /// One coordinate and momentum of the whole slide.

@@ -54,10 +54,14 @@ pub(super) fn solve<const M: usize>(mut a: [[Number; M]; M], mut b: [Number; M])
     b
 }
 
-/// The largest entry of N⁻¹N′ − 1; not a number where that has none.
+/// The largest entry of N⁻¹N′ − 1, with equations in units of their diagonal entries; not a number where that has none.
 #[inline(always)]
 pub(super) fn turn<const M: usize>(before: [[Number; M]; M], after: &[[Number; M]; M]) -> Number {
-    let mut largest = Fused(0.0);
+    let (mut largest, mut units) = (Fused(0.0), [Fused(1.0); M]);
+    for i in 0..M {
+        let diagonal = before[i][i].abs();
+        units[i] = Real::select(Fused(0.0).lt(diagonal), diagonal.sqrt(), units[i]);
+    }
     for j in 0..M {
         let mut column = [Fused(0.0); M];
         for i in 0..M {
@@ -66,7 +70,7 @@ pub(super) fn turn<const M: usize>(before: [[Number; M]; M], after: &[[Number; M
         let column = solve(before, column);
         for i in 0..M {
             let one = Fused(f64::from(u8::from(i == j)));
-            largest = most(largest, (column[i] - one).abs());
+            largest = most(largest, (column[i] - one).abs() * (units[i] / units[j]));
         }
     }
     largest

@@ -173,7 +173,7 @@ fn drift<const D: usize, const M: usize>(
     } = scratch;
     (*corrected, *roundings) = (ZEROS, [Fused(f64::INFINITY); ROW]);
     for number in 0..MOST_LOOKS {
-        slide.slide(laws, &row.high, sigma, number == 0, going);
+        slide.slide(laws, &row.high, sigma, going);
         displace(row, &slide.change, kicked);
         leap.leap(laws, h, kicked, going);
         add(&slide.change, &leap.change, change);
@@ -226,7 +226,7 @@ fn settle<const D: usize, const M: usize>(laws: &impl Laws<D, M>, scratch: &mut 
         if number == 0 {
             slide.change = Points::ZERO;
         } else {
-            slide.slide(laws, &middle.high, sigma, number == 1, going);
+            slide.slide(laws, &middle.high, sigma, going);
         }
         displace(middle, &slide.change, place);
         reaches(&middle.high, &slide.change, reach);

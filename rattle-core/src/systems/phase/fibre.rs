@@ -62,11 +62,13 @@ pub(crate) const B: [f64; STAGES] = [
     0.118_463_442_528_094_54,
 ];
 
-/// Parts whose stages come nearer by less than this factor are halved: the largest eigenvalue of A is about 0.13, so
-/// that the error of a part, 4e-13 x¹⁰ of it with x the relative change of the field along it, stays below 1e-16.
-pub(crate) const CONTRACTION: f64 = 1.0 / 20.0;
-/// The same where stages have begun with those of a nearby slide, which was short enough.
-pub(crate) const NEARER: f64 = 0.25;
+/// What the stages hold of the Legendre polynomials of the third and of the fourth degree.
+pub(crate) const DETAILS: [[f64; STAGES]; 2] = details();
+/// A part is halved where these are more than the third and the fourth power of this part of the motion: the next ones
+/// would be the fifth, and the error, as large as the tenth, stays below 1e-16 of the motion.
+pub(crate) const DECAY: f64 = 0.025;
+/// Parts whose stages come nearer by less than this factor are halved, too: that takes less time.
+pub(crate) const CONTRACTION: f64 = 0.25;
 /// What is left of a change is nothing below this part of it: a sixteenth of a rounding.
 pub(crate) const LEFT: f64 = f64::EPSILON / 16.0;
 /// What no longer shrinks is rounding below this part.
@@ -75,8 +77,21 @@ pub(crate) const ROUNDING: f64 = 1e-13;
 pub(crate) const SHRINKS: f64 = 1e-3;
 /// Passes over the stages; with that factor a dozen suffice.
 const MAX_PASSES: usize = 30;
-/// Parts beyond which a motion is given up: some hundred radians, where a step needs a fraction of one.
+/// Parts beyond which a motion is given up: some hundred radians, where a step needs a fraction of one. So many parts
+/// need not be smooth: a kink of the field does not become so.
 const MAX_PARTS: u32 = 1 << 8;
+
+const fn details() -> [[f64; STAGES]; 2] {
+    let (mut details, mut i) = ([[0.0; STAGES]; 2], 0);
+    while i < STAGES {
+        let [a, b, c, d, e] = A[i];
+        let x = 2.0 * (a + b + c + d + e) - 1.0;
+        details[0][i] = 7.0 * B[i] * x * (5.0 * x * x - 3.0) / 2.0;
+        details[1][i] = 9.0 * B[i] * ((35.0 * x * x - 30.0) * x * x + 3.0) / 8.0;
+        i += 1;
+    }
+    details
+}
 
 /// (−∂gₘ/∂p, ∂gₘ/∂q) at each stage.
 type Directions<const D: usize, const M: usize> = [[Point<D>; M]; STAGES];
@@ -102,7 +117,7 @@ impl<const D: usize, const M: usize> Slides<D, M> {
             return Some(Point::ZERO);
         }
         if let Some(mut directions) = self.last.take()
-            && let Some(change) = part(constraint, start, &Point::ZERO, sigma, &mut directions, NEARER)
+            && let Some(change) = part(constraint, start, &Point::ZERO, sigma, &mut directions, true)
         {
             self.last = Some(directions);
             return Some(change);
@@ -112,38 +127,43 @@ impl<const D: usize, const M: usize> Slides<D, M> {
             let share = sigma.map(|sigma| sigma / f64::from(parts));
             (0..parts).try_fold(Point::ZERO, |before, _| {
                 let mut directions = [directions(constraint, &start.plus(&before)); STAGES];
-                let change = part(constraint, start, &before, &share, &mut directions, CONTRACTION)?;
+                let is_last = parts == MAX_PARTS;
+                let change = part(constraint, start, &before, &share, &mut directions, !is_last);
                 self.last = (parts == 1).then_some(directions);
-                Some(change)
+                change
             })
         })
     }
 }
 
-/// The change after one more part, begun with these directions; none if its stages come nearer too slowly.
+/// The change after one more part, begun with these directions; none if its stages come nearer too slowly, or if it is
+/// to be smooth and is not.
 fn part<K: PhaseConstraintKernel<f64, D, M>, const D: usize, const M: usize>(
     constraint: &K,
     start: &Point<D>,
     before: &Point<D>,
     sigma: &[f64; M],
     directions: &mut Directions<D, M>,
-    slowest: f64,
+    smooth: bool,
 ) -> Option<Point<D>> {
     let mut speeds = directions.map(|directions| speed(&directions, sigma));
     let reach = start.plus(before).sizes();
     let mut sizes = speeds.iter().fold([0.0; 2], |sizes, speed| larger(&sizes, &speed.sizes()));
-    let (mut weights, mut last, mut rate) = ([0.0; 2], [f64::INFINITY; 2], 0.0_f64);
+    let (mut weights, mut last, mut rate) = ([UNMOVED; 2], [f64::INFINITY; 2], 0.0_f64);
     for pass in 0..MAX_PASSES {
         let (mut off, old) = ([0.0; 2], speeds);
         for (i, row) in A.iter().enumerate() {
-            let inner = old.iter().zip(row).fold(*before, |sum, (speed, a)| sum.plus(&speed.times(*a)));
+            let inner = combined(&old, row).plus(before);
             directions[i] = self::directions(constraint, &start.plus(&inner));
             speeds[i] = speed(&directions[i], sigma);
             off = larger(&off, &speeds[i].minus(&old[i]).sizes());
             sizes = larger(&sizes, &speeds[i].sizes());
         }
-        if pass == 0 {
-            weights = from_fn(|i| weight(sizes[i], reach[i]));
+        for i in 0..2 {
+            // Also what begins to move later.
+            if weights[i] == UNMOVED && sizes[i] > 0.0 {
+                (weights[i], last) = (weight(sizes[i], reach[i]), [f64::INFINITY; 2]);
+            }
         }
         let weighed = |[q, p]: [f64; 2]| (weights[0] * q).max(weights[1] * p);
         let (moved, size) = (weighed(off), weighed(sizes));
@@ -152,14 +172,21 @@ fn part<K: PhaseConstraintKernel<f64, D, M>, const D: usize, const M: usize>(
         rate = (moved / last[1]).max(SHRINKS);
         let still = moved <= f64::EPSILON * size || (pass > 0 && rate.max(slower) * moved <= LEFT * size);
         if still || (pass > 1 && moved >= 0.5 * last[1] && moved <= ROUNDING * size) {
-            return Some(speeds.iter().zip(B).fold(*before, |sum, (speed, b)| sum.plus(&speed.times(b))));
+            let detail = |n: usize| weighed(combined(&speeds, &DETAILS[n]).sizes());
+            let is_smooth = detail(0) <= DECAY.powi(3) * size && detail(1) <= DECAY.powi(4) * size;
+            return (is_smooth || !smooth).then(|| combined(&speeds, &B).plus(before));
         }
-        if !moved.is_finite() || (moved > slowest * slowest * last[0] && moved > ROUNDING * size) {
+        if !moved.is_finite() || (moved > CONTRACTION * CONTRACTION * last[0] && moved > ROUNDING * size) {
             return None;
         }
         last = [last[1], moved];
     }
     None
+}
+
+/// Σ wᵢ Kᵢ.
+fn combined<const D: usize>(speeds: &[Point<D>; STAGES], weights: &[f64; STAGES]) -> Point<D> {
+    speeds.iter().zip(weights).fold(Point::ZERO, |sum, (speed, weight)| sum.plus(&speed.times(*weight)))
 }
 
 /// The larger ones.
@@ -172,8 +199,11 @@ fn larger(a: &[f64; 2], b: &[f64; 2]) -> [f64; 2] {
 /// motion along the fibre is. Where momenta move by a·q and coordinates by b·p, these are as √b and √a, so that changes
 /// of both count alike. That does not depend on units.
 fn weight(motion: f64, reach: f64) -> f64 {
-    if motion > 0.0 { 1.0 / (motion * reach.max(motion)).sqrt() } else { f64::MAX }
+    1.0 / (motion * reach.max(motion)).sqrt()
 }
+
+/// The weight of what has not moved yet.
+const UNMOVED: f64 = 0.0;
 
 /// (−∂gₘ/∂p, ∂gₘ/∂q).
 fn directions<K: PhaseConstraintKernel<f64, D, M>, const D: usize, const M: usize>(
@@ -231,14 +261,15 @@ mod tests {
         }
     }
 
-    /// The next slide begins with what the last one found, and ends where any other does: also where it is another way,
-    /// or in parts. A pass of five evaluations brings nearly three digits here: six are needed from the start, one less
-    /// where σ is known to three digits, two less where it is to six.
+    /// The next slide begins with what the last one found, and ends where any other does: also where it is much longer,
+    /// another way, or in parts. A pass of five evaluations brings nearly three digits here: six are needed from the
+    /// start, one less where σ is known to three digits, two less where it is to six.
     #[test]
     fn a_nearby_slide_takes_few_evaluations() {
         let (q, p) = (0.6, -0.8_f64);
         let (start, mut slides) = (Point { q: [q], p: [p] }, Slides::new());
-        let taken = [0.01, 0.010_01, 0.010_010_01, 0.0, -0.01, 3.0, 2.9, 0.01].map(|sigma: f64| {
+        let ways = [0.01, 0.010_01, 0.010_010_01, 0.0, -0.01, 0.1, 0.6, 3.0, 2.9, 0.1, 0.3, 1e-3, 0.6, 0.01];
+        let taken = ways.map(|sigma: f64| {
             EVALUATIONS.set(0);
             let change = slides.slide(&Circle, &start, &[sigma]).unwrap();
             let (sin, less) = (sigma.sin(), -2.0 * (0.5 * sigma).sin().powi(2));
@@ -247,6 +278,97 @@ mod tests {
             EVALUATIONS.get()
         });
         assert_eq!(taken[..4], [31, 25, 20, 0]);
+    }
+
+    /// p²/2 − cos q.
+    #[derive(Clone)]
+    struct Swing;
+
+    impl PhaseConstraintKernel<f64, 1, 1> for Swing {
+        fn value(&self, [q]: &[f64; 1], [p]: &[f64; 1]) -> [f64; 1] {
+            [0.5 * p * p - q.cos()]
+        }
+        fn jacobians(&self, [q]: &[f64; 1], p: &[f64; 1]) -> ([[f64; 1]; 1], [[f64; 1]; 1]) {
+            ([[q.sin()]], [*p])
+        }
+        fn value_and_jacobians(
+            &self,
+            q: &[f64; 1],
+            p: &[f64; 1],
+        ) -> ([f64; 1], [[f64; 1]; 1], [[f64; 1]; 1]) {
+            (self.value(q, p), [[q[0].sin()]], [*p])
+        }
+        fn hessian_vector(
+            &self,
+            [q]: &[f64; 1],
+            _: &[f64; 1],
+            [dq]: &[f64; 1],
+            dp: &[f64; 1],
+        ) -> ([[f64; 1]; 1], [[f64; 1]; 1]) {
+            ([[q.cos() * dq]], [*dp])
+        }
+    }
+
+    /// Slides keep g, whatever the slide before was.
+    #[test]
+    fn slides_keep_what_generates_them() {
+        for (q, p) in [(1.16, 1.19), (0.1, 0.05), (3.0, 0.3), (-2.0, 2.0_f64)] {
+            let (start, [level]) = (Point { q: [q], p: [p] }, Swing.value(&[q], &[p]));
+            for first in [1e-3, 0.05, 0.0957, 0.15, 0.3] {
+                for second in [0.06, 0.2, 0.5, 1.0, 1.619, -0.4, -1.2] {
+                    let mut slides = Slides::new();
+                    for sigma in [first, second] {
+                        let change = slides.slide(&Swing, &start, &[sigma]).unwrap();
+                        let [now] = Swing.value(&[q + change.q[0]], &[p + change.p[0]]);
+                        let off = (now - level).abs() / (1.0 + 0.5 * p * p);
+                        assert!(off <= 8.0 * f64::EPSILON, "({q}, {p}), {first}, {second}: {off:e}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// p₀ + q₀p₁ + q₁².
+    #[derive(Clone)]
+    struct Later;
+
+    impl PhaseConstraintKernel<f64, 2, 1> for Later {
+        fn value(&self, q: &[f64; 2], p: &[f64; 2]) -> [f64; 1] {
+            [p[0] + q[0] * p[1] + q[1] * q[1]]
+        }
+        fn jacobians(&self, q: &[f64; 2], p: &[f64; 2]) -> ([[f64; 2]; 1], [[f64; 2]; 1]) {
+            ([[p[1], 2.0 * q[1]]], [[1.0, q[0]]])
+        }
+        fn value_and_jacobians(
+            &self,
+            q: &[f64; 2],
+            p: &[f64; 2],
+        ) -> ([f64; 1], [[f64; 2]; 1], [[f64; 2]; 1]) {
+            let (by_q, by_p) = self.jacobians(q, p);
+            (self.value(q, p), by_q, by_p)
+        }
+        fn hessian_vector(
+            &self,
+            _: &[f64; 2],
+            _: &[f64; 2],
+            dq: &[f64; 2],
+            dp: &[f64; 2],
+        ) -> ([[f64; 2]; 1], [[f64; 2]; 1]) {
+            ([[dp[1], 2.0 * dq[1]]], [[0.0, dq[0]]])
+        }
+    }
+
+    /// From the origin it moves q₀ = −σ at first, then q₁ = σ²/2, p₁ = σ³/3 and last p₀ = σ⁴/12: in 256 parts, each
+    /// rounded.
+    #[test]
+    fn what_moves_later_slides_too() {
+        for sigma in [1e-4_f64, -1e-2, 0.3, 2.0] {
+            let change = Slides::new().slide(&Later, &Point::ZERO, &[sigma]).unwrap();
+            let exact = [-sigma, sigma.powi(2) / 2.0, sigma.powi(4) / 12.0, sigma.powi(3) / 3.0];
+            for (x, exact) in change.q.iter().chain(&change.p).zip(exact) {
+                assert!((x - exact).abs() <= 64.0 * f64::EPSILON * exact.abs(), "{sigma}: {x:e}, {exact:e}");
+            }
+        }
     }
 
     /// Σⱼ aᵢⱼ cⱼᵏ⁻¹ = cᵢᵏ/k and Σ bⱼ cⱼᵏ⁻¹ = 1/k: with k to 5 and to 10 that is order 10.

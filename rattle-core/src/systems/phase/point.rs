@@ -93,7 +93,7 @@ impl<const D: usize, const M: usize> Level<D, M> {
     /// coordinate and of the largest momentum.
     #[cold]
     pub(super) fn dependent(&self, at: &Point<D>) -> Option<PhaseMistake> {
-        let [q, p] = at.sizes().map(|size| if size > 0.0 { size } else { 1.0 });
+        let [q, p] = units(at);
         let mut basis = [Point::ZERO; M];
         for equation in 0..M {
             let gradient = self.gradients[equation].weighted(q, p);
@@ -132,8 +132,8 @@ pub(super) struct Hidden<const D: usize, const M: usize> {
     pub(super) size: [f64; M],
     /// Nᵢⱼ = ∂hᵢ/∂σⱼ, along the fibre.
     pub(super) slopes: [[f64; M]; M],
-    /// The largest of the terms that make up the slopes.
-    pub(super) slope_size: f64,
+    /// The largest of the terms that make up each slope.
+    terms: [[f64; M]; M],
     /// ḣᵢ along the motion without constraint.
     pub(super) rates: [f64; M],
 }
@@ -156,23 +156,31 @@ impl<const D: usize, const M: usize> Hidden<D, M> {
             [Point { q: g_q[i], p: g_p[i] }, Point { q, p }]
         });
         let gradients = parts.map(|[by_g, by_h]| by_g.plus(&by_h));
-        let terms = parts.iter().flatten().flat_map(|part| fibres.map(|fibre| part.size_along(&fibre)));
+        let terms = parts
+            .map(|[by_g, by_h]| fibres.map(|fibre| by_g.size_along(&fibre).max(by_h.size_along(&fibre))));
         let most = reach.most();
         Self {
             value: level.gradients.map(|g| bracket(&g, &slope).0),
             size: gradients.map(|h| h.size_along(&most)),
             slopes: gradients.map(|h| fibres.map(|fibre| h.along(&fibre))),
-            slope_size: terms.fold(0.0, f64::max),
+            terms,
             rates: gradients.map(|h| h.along(&free)),
         }
     }
 
-    /// Whether N is singular but for rounding.
-    pub(super) fn is_undetermined(&self) -> bool {
-        (0..M).any(|j| {
-            let unit = from_fn(|i| if i == j { self.slope_size } else { 0.0 });
-            solve(self.slopes, unit).is_none_or(|column| largest(&column) > 1.0 / SINGULAR)
-        })
+    /// Whether N is singular here but for rounding, in whatever units the equations are.
+    pub(super) fn is_undetermined(&self, level: &Level<D, M>, at: &Point<D>) -> bool {
+        let [q, p] = units(at);
+        let steepness = level.gradients.map(|g| largest(&g.weighted(q, p).sizes()));
+        let scaled = |i: usize, x: &[f64; M]| from_fn(|j| x[j] / steepness[j] / steepness[i]);
+        let sizes: [f64; M] = from_fn(|i| largest::<_, M>(&scaled(i, &self.terms[i])));
+        let slopes = from_fn(|i| scaled(i, &self.slopes[i]).map(|slope| slope / sizes[i]));
+        let positive = |x: &f64| *x > 0.0 && x.is_finite();
+        !steepness.iter().chain(&sizes).all(positive)
+            || (0..M).any(|j| {
+                let unit = from_fn(|i| f64::from(u8::from(i == j)));
+                solve(slopes, unit).is_none_or(|column| largest(&column) > 1.0 / SINGULAR)
+            })
     }
 
     /// λ such that the motion stays where h = 0; none where the fibre is tangent to that.
@@ -185,6 +193,11 @@ impl<const D: usize, const M: usize> Hidden<D, M> {
 const SINGULAR: f64 = 1e-10;
 /// A gradient of which those before leave less makes N singular by itself, since N has its square.
 const DEPENDENT: f64 = 1e-5;
+
+/// The largest coordinate and the largest momentum; 1 where they are 0.
+fn units<const D: usize>(at: &Point<D>) -> [f64; 2] {
+    at.sizes().map(|size| if size > 0.0 { size } else { 1.0 })
+}
 
 /// {a, b} from gradients, and the size of its terms.
 fn bracket<const D: usize>(a: &Point<D>, b: &Point<D>) -> (f64, f64) {

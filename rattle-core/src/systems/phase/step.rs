@@ -187,7 +187,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
                 }
             }
         }
-        if hidden.is_undetermined() {
+        if hidden.is_undetermined(&level, &at) {
             let slopes = hidden.slopes.concat();
             return mistake(level.dependent(&at).unwrap_or(PhaseMistake::Undetermined { slopes }));
         }
@@ -323,13 +323,14 @@ pub(super) fn move_by<N: Count, X, const D: usize>(
     (*p, *p_low) = two_sum(p, &sum(p_low, &change.p));
 }
 
-/// The largest entry of N⁻¹N′ − 1.
+/// The largest entry of N⁻¹N′ − 1, with equations in units of their diagonal entries.
 pub(super) fn turn<const M: usize>(before: &[[f64; M]; M], after: &[[f64; M]; M]) -> f64 {
+    let units: [f64; M] = from_fn(|i| if before[i][i] == 0.0 { 1.0 } else { before[i][i].abs().sqrt() });
     let mut largest = 0.0_f64;
     for j in 0..M {
         let Some(column) = solve(*before, from_fn(|i| after[i][j])) else { return f64::INFINITY };
         for (i, x) in column.into_iter().enumerate() {
-            largest = largest.max((x - f64::from(u8::from(i == j))).abs());
+            largest = largest.max((x - f64::from(u8::from(i == j))).abs() * (units[i] / units[j]));
         }
     }
     largest
