@@ -63,6 +63,23 @@ fn persistence_in_the_plane() {
     is(&turned, (-turning * simulation.time()).exp(), 0.0);
 }
 
+/// A method and a flow draw numbers of their own, also by equal seeds: displacements tell nothing of turns.
+#[test]
+fn seeds_of_methods_and_flows_may_be_equal() {
+    const N: usize = 4000;
+    let flat = Scene::points::<2>(N).with(SelfPropulsion::new(0.0, 1.0, 7).headed(vec![[0.0, 1.0]; N]));
+    let mut simulation = flat.simulate(State::of([[0.0; 2]; N]), Brownian::new(1.0, 1.0, 7, 0.01)).unwrap();
+    simulation.step().unwrap();
+    let turned: Vec<_> = SelfPropulsion::<2>::headings(simulation.marks()).map(|u| -u.x).collect();
+    for along in 0..2 {
+        let mean = |of: &dyn Fn(usize) -> f64| (0..N).map(of).sum::<f64>() / N as f64;
+        let moved: Vec<_> = simulation.positions().map(|q| q[along]).collect();
+        let [square, other] = [&moved, &turned].map(|x| mean(&|i| x[i] * x[i]));
+        let correlation = mean(&|i| moved[i] * turned[i]) / (square * other).sqrt();
+        assert!(correlation.abs() < DEVIATIONS / (N as f64).sqrt(), "{correlation} along {along}");
+    }
+}
+
 /// With inertia: without noise of momenta ⟨v·u⟩ = F/(γ + D_r) in the end (H. Löwen, J. Chem. Phys. 152 (2020) 040901),
 /// by methods that push at the ends of a step or in its middle.
 #[test]

@@ -203,7 +203,7 @@ fn who_cannot_go_on_says_why() {
         at: [f64; 3],
         h: f64,
     ) -> [usize; 2] {
-        let by = |h| Brownian::new(1.0, 0.5, 4, h);
+        let by = |h| Brownian::new(1.0, 0.5, 1, h);
         let begin = |i: u64| State::at(at).numbered(i);
         let mut ensemble = scene.ensemble((0..64).map(begin), by(h)).unwrap().retry(6);
         in_lanes(&ensemble);

@@ -224,7 +224,7 @@ fn who_ends_ends_in_the_same_step() {
     let found = [
         ends_alike!(free, low, by, 9, 20),
         ends_alike!(beside, apart, by, 9, 20),
-        ends_alike!(body, upright, Brownian::new(1.0, 0.3, 5, 0.01), 30, 20),
+        ends_alike!(body, upright, Brownian::new(1.0, 0.3, 5, 0.01), 60, 20),
     ];
     println!("{found:?}");
     assert!(found.as_flattened().iter().all(|&number| number > 3), "{found:?}");

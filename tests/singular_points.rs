@@ -358,3 +358,20 @@ fn rounding_of_a_potential_is_no_jump() {
         check(Dop853::adaptive(h, 1e-10));
     }
 }
+
+/// From where a surface is nearly flat Newton's step leads far beyond it: up to 1e20 times as far as it is away.
+#[test]
+fn projections_from_flat_places_do_not_run_away() {
+    for n in [8.0, 20.0, 40.0, 100.0] {
+        constraint! {
+            struct Cushion { n }
+            |x, y, z| abs(x)^n + abs(y)^n + abs(z)^n - 1
+        }
+        let scene = Scene::on(Cushion { n });
+        let start = State::at([0.5, 0.6, 0.3]).moving([0.1, 0.2, 0.3]);
+        let on = scene.project(&start).unwrap_or_else(|error| panic!("{n}: {error}"));
+        let q = on.positions().next().unwrap();
+        assert!((0.98..=1.0).contains(&q.amax()), "{n}: {q:?}");
+        scene.simulate(on, Rattle::new(1e-3)).unwrap();
+    }
+}

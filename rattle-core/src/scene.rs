@@ -234,6 +234,8 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// The same scene, every body with this mass: a number, one for each coordinate, or a symmetric positive definite
     /// matrix. Momenta are then p = M v.
     ///
+    /// In thermal equilibrium places have the density exp(−U/kT) times area, which such a matrix measures.
+    ///
     /// Potentials do not know masses: the weight of a body is `Gravity { g: 9.81 * mass }`, or
     /// [`Over::each`](crate::kernel::over::Over::each) where masses differ.
     pub fn mass(self, mass: impl Into<Mass<D>>) -> Scene<Network<D>, E, N, D> {

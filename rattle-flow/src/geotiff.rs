@@ -22,6 +22,7 @@ const UNITS_OF_HEIGHTS: u16 = 4099;
 const UNDEFINED: u16 = 0;
 const METRE: u16 = 9001;
 const OF_A_USER: u16 = 32767;
+const METRES: [&str; 6] = ["", "m", "metre", "metres", "meter", "meters"];
 /// What GDAL says of bands, as XML.
 const METADATA: Tag = Tag::Unknown(42112);
 
@@ -118,7 +119,7 @@ fn check_band(metadata: &str) -> Result<(), ReadError> {
         let plain = match attribute(head, "role") {
             Some("scale") => 1.0,
             Some("offset") => 0.0,
-            Some("unittype") if ["", "m", "metre", "metres", "meter", "meters"].contains(&value) => continue,
+            Some("unittype") if METRES.iter().any(|metres| value.eq_ignore_ascii_case(metres)) => continue,
             Some("unittype") => {
                 return Err(refused(&format!(
                     "heights in `{value}`; `gdal_calc.py --calc=0.3048*A -A in.tif --outfile=out.tif` puts feet into \
@@ -206,6 +207,7 @@ mod tests {
             item("sample=\"0\" role=\"scale\"", "1"),
             item("sample=\"0\" role=\"offset\"", " 0.0 "),
             item("sample=\"0\" role=\"unittype\"", "metre"),
+            item("sample=\"0\" role=\"unittype\"", "Meters"),
             item("sample=\"1\" role=\"scale\"", "0.1"), // of a band that is not there
             item("", "0.1"),
             "<Item sample=\"0\" role=\"scale".into(),

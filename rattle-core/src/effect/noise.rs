@@ -17,7 +17,9 @@ pub(crate) fn halves(seed: u64) -> [f64; 2] {
 ///
 /// `trajectory` is the index in an ensemble, 0 in a simulation, or the number given to
 /// [`State::numbered`](crate::motion::state::State::numbered). `step` counts from the first start, across restarts.
-/// `effect` is the number of the flow in its scene. The words are those of NumPy's `Philox`.
+/// `effect` is the number of the flow in its scene; for momenta that a method draws itself, as
+/// [`Brownian`](crate::methods::brownian::Brownian) does, it is 2⁶⁴ − 1, so that the seeds of a method and of a flow
+/// may be equal. The words are those of NumPy's `Philox`.
 #[doc(alias = "random number generator")]
 #[doc(alias = "rng")]
 #[doc(alias = "Philox")]
@@ -28,13 +30,16 @@ pub struct Noise {
     pub trajectory: u64,
     /// Steps taken since the first start.
     pub step: u64,
-    /// The number of the flow among those of the scene.
+    /// The number of the flow among those of the scene; 2⁶⁴ − 1 for a method.
     pub effect: u64,
     /// The number of flows that acted earlier in this step.
     pub place: u64,
 }
 
 impl Noise {
+    /// In place of the number of a flow where a method draws.
+    pub(crate) const METHOD: u64 = u64::MAX;
+
     /// The four words of this draw; a flow may number its draws in any way, below 2⁴⁰.
     #[must_use]
     #[inline]

@@ -19,6 +19,10 @@ use crate::number::vector::scaled;
 /// [`Langevin`](crate::effect::Langevin), and single bodies are not randomised. For many bodies that exchange energy. A
 /// single particle gets the right distribution of energies, but keeps to its path.
 ///
+/// A total momentum that forces conserve, or a total angular momentum, is multiplied as well: from zero it stays zero,
+/// and all of K̄ goes into the other momenta. [`Scene::maxwell`](crate::scene::Scene::maxwell) gives it its right
+/// share.
+///
 /// Bodies at rest stay at rest: a start needs momenta, for example by [`Scene::maxwell`](crate::scene::Scene::maxwell).
 /// Motion imposed by moving links is not heat: it is not in K and not rescaled.
 ///

@@ -226,8 +226,8 @@ pub enum StartFailure {
     },
     /// The gradient is so long or so short that its square overflows or underflows.
     #[error(
-        "the gradient of {} has the length {gradient:.1e}, and its square is beyond the numbers; multiply the constraint by about {:.0e}, \
-         which does not change where it holds", equation.as_ref().map_or("the constraint".into(), ToString::to_string), 1.0 / gradient
+        "the gradient of {} has the length {gradient:.1e}, and its square is beyond the numbers; choose units in which \
+         lengths are nearer to 1, or multiply the constraint by about {:.0e} if lengths are", equation.as_ref().map_or("the constraint".into(), ToString::to_string), 1.0 / gradient
     )]
     OutOfScale {
         /// Which equation, for linked bodies.

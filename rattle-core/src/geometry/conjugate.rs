@@ -51,7 +51,9 @@ pub(super) fn settled<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     let meets = back.end(&aim).is_some_and(|end| length(&end.tried.0) < MEET * way.length);
     let ways = [Some(way), meets.then_some(back)].into_iter().flatten();
     let all = ways.filter_map(|way| descend(&aim, way));
-    all.fold(found, |least, other| if other.distance < least.distance { other } else { least })
+    // Those may miss b by more than what was found.
+    let shorter = |least: &Shot<D>, other: &Shot<D>| other.distance < (1.0 - MISSED) * least.distance;
+    all.fold(found, |least, other| if shorter(&least, &other) { other } else { least })
 }
 
 /// The geodesic to which a way leads that ends near b, and near a conjugate point.

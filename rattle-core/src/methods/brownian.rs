@@ -12,6 +12,7 @@
 //! Source: G. Ciccotti, T. Lelièvre, E. Vanden-Eijnden, Comm. Pure Appl. Math. 61 (2008) 371.
 
 use crate::effect::interval::Half;
+use crate::effect::noise::Noise;
 use crate::error::{EffectMistake, Error, StepFailure, SurfaceFailure};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, Renewal, View, check_step_size};
@@ -142,8 +143,9 @@ fn draw<T: Scalar, Y: System<T, D>, const D: usize>(
     system: &Y,
     bodies: &mut BodiesOf<Y, T, D>,
 ) -> Result<(), Failure> {
+    let noise = Noise { effect: Noise::METHOD, ..bodies.noise };
     for body in 0..bodies.q.as_ref().len() {
-        let numbers = bodies.noise.normal(seed, body).map(|x: f64| T::from_f64(deviation * x));
+        let numbers = noise.normal(seed, body).map(|x: f64| T::from_f64(deviation * x));
         bodies.p.as_mut()[body] = system.inertia().root(body, &numbers);
         bodies.p_low.as_mut()[body] = [T::from_f64(0.0); D];
     }

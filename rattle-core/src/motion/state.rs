@@ -15,8 +15,8 @@ pub(crate) struct Remembered {
 
 /// The D coordinates of a body: an array, a vector of `nalgebra`, or anything that converts into one.
 #[diagnostic::on_unimplemented(
-    message = "how many coordinates `{Self}` has is not known when compiling",
-    label = "a place or a momentum is an array, such as `[0.0, 0.0, 1.0]`, or a vector of `nalgebra`",
+    message = "`{Self}` is no place or momentum of a body here",
+    label = "as many numbers `f64` as the scene has coordinates: an array such as `[0.0, 0.0, 1.0]`, or a vector of `nalgebra`",
     note = "of a `Vec` or a slice: `<[f64; 3]>::try_from(numbers)`, which fails where there are not three",
     note = "places of several bodies: `State::of([[0.0, 0.0], [1.0, 0.0]])`"
 )]

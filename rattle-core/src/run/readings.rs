@@ -113,7 +113,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// The number of independent momenta: the number of coordinates of bodies that are not pinned, minus the number of
-    /// independent equations (counted by the normals of the last step).
+    /// independent equations (counted by the normals of the last step). Momenta that forces conserve, such as the total
+    /// one, count as well.
     #[doc(alias = "degrees of freedom")]
     pub fn freedom(&self) -> usize {
         self.system.freedom(&self.bodies)

@@ -21,6 +21,9 @@ pub struct Compensated;
 ///
 /// tan, ∛, powers, log₂, log₁₀, erf and inverse functions are evaluated in double precision. Linked and
 /// rigid bodies, and trajectories that do not go in lanes, are computed in double precision.
+///
+/// Where places and momenta keep close to one size, as on a unit sphere, their rounding has a bias: energies drift
+/// there by some 5e-9 of themselves in a step, so by 0.5 % in a million steps.
 #[doc(alias = "f32")]
 #[doc(alias = "float")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -135,7 +135,7 @@ impl<const W: usize> Rhythm<W> {
     }
 
     /// Draws normal numbers of each lane, those of [`Noise::normal`] for one body: with these seeds by flow number
-    /// `number`, before which `place` flows acted in this step, after so many.
+    /// `number`, before which `place` flows acted in this step, after so many; or by the method.
     #[inline(always)]
     pub(super) fn draw_all(&self, seed: &[u64; W], turn: (usize, u64, u64), numbers: &mut [[Number; W]]) {
         for (draw, four) in (0..).zip(numbers.chunks_mut(4)) {
@@ -153,8 +153,9 @@ impl<const W: usize> Rhythm<W> {
         numbers: &mut [[Number; W]],
     ) {
         let mut words = [[0; W]; 4];
+        let effect = if self.renews { Noise::METHOD } else { number as u64 };
         for l in 0..W {
-            let noise = Noise { effect: number as u64, place, ..self.noise(l, steps) };
+            let noise = Noise { effect, place, ..self.noise(l, steps) };
             for (words, drawn) in words.iter_mut().zip(noise.words(seed[l], draw)) {
                 words[l] = drawn;
             }

@@ -167,7 +167,11 @@ fn face_beyond<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     (stays(&place) && stays(&add_scaled(&place, time, &along))).then_some((place, found))
 }
 
-/// Newton's iteration q ← q − ∇g g/|∇g|², to the rounding floor, and the normal there.
+/// From where a surface is nearly flat Newton's step leads far beyond it: it is halved so often at most.
+const MAX_HALVINGS: i32 = 200;
+
+/// Newton's iteration q ← q − ∇g g/|∇g|², to the rounding floor, and the normal there. A step after which g would be
+/// larger is halved.
 fn nearest<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     constraint: &K,
     mut q: [f64; D],
@@ -195,7 +199,11 @@ fn nearest<K: ConstraintKernel<f64, D, 1>, const D: usize>(
             return Ok((q, Normal::new(gradient)));
         }
         distances.push(distance);
-        q = add_scaled(&q, -value / square, &gradient);
+        let after = |share: f64| add_scaled(&q, -share * value / square, &gradient);
+        let falls = |to: &[f64; D]| constraint.value(to)[0].abs() <= value.abs(); // false for NaN
+        let parts = (0..=MAX_HALVINGS).map(|halvings| after(0.5_f64.powi(halvings)));
+        let fitting = if near { None } else { parts.into_iter().find(falls) };
+        q = fitting.unwrap_or_else(|| after(1.0));
     }
     Err(StartFailure::NoProjection { distances: distances.into_iter().collect::<History>() })
 }
