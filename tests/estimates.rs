@@ -7,11 +7,16 @@ use rattle::error::PriceMistake;
 use rattle::potentials::{Gravity, Harmonic};
 use rattle::prelude::*;
 use rattle::price::Estimate;
-use rattle::surfaces::{Plane, Torus};
+use rattle::surfaces::{Plane, Sphere, Torus};
 
 constraint! {
     /// Two planes that meet in a ridge.
     struct Roof {} |x, _y, z| z + abs(x)
+}
+
+potential! {
+    /// None at all at odd multiples of half a period.
+    struct Gate { w } |_x, _y, z, t| z * sqrt(cos(w * t))
 }
 
 fn within(factor: f64, estimate: &Estimate, truth: f64, who: &str) {
@@ -66,7 +71,7 @@ fn edges_are_crossed_as_in_the_run() {
 #[test]
 fn random_forces_are_refused() {
     let bath = Langevin { friction: 1.0, temperature: 0.5, seed: 3 };
-    let scene = Scene::on(rattle::surfaces::Sphere { r: 1.0 }).with(bath);
+    let scene = Scene::on(Sphere { r: 1.0 }).with(bath);
     let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.5, 0.5]);
     fn asked<M: Method>(
         scene: &Scene<impl rattle::scene::Hold<3>, impl rattle::effect::Effects<3>, rattle::bodies::One, 3>,
@@ -80,7 +85,7 @@ fn random_forces_are_refused() {
     }
     asked(&scene, &start, Rattle::new(0.01));
     asked(&scene, &start, Baoab::new(0.01));
-    let free = Scene::on(rattle::surfaces::Sphere { r: 1.0 });
+    let free = Scene::on(Sphere { r: 1.0 });
     asked(&free, &start, Brownian::new(1.0, 1.0, 1, 0.01));
 }
 
@@ -148,4 +153,91 @@ fn runs_of_variable_steps_are_compared_at_one_time() {
     exact.run(100).unwrap();
     let truth = (run.position() - exact.position()).norm();
     within(2.0, &run.estimate_error(&start).unwrap(), truth, "variable steps on a torus");
+}
+
+/// The estimate of a run on a torus under gravity, and its true error.
+fn told<M: Method>(method: M, steps: u64) -> (Estimate, f64) {
+    let scene = Scene::on(Torus { major: 1.0, minor: 0.3 }).with(Gravity { g: 1.0 });
+    let start = State::at([1.3, 0.0, 0.0]).moving([0.0, 1.0, 0.3]);
+    let mut exact = scene.simulate(start.clone(), Taylor::adaptive(24, method.step_size(), 1e-16)).unwrap();
+    exact.run(steps).unwrap();
+    let mut run = scene.simulate(start.clone(), method).unwrap();
+    run.run(steps).unwrap();
+    (run.estimate_error(&start).unwrap(), (run.position() - exact.position()).norm())
+}
+
+/// With steps shorter than the tolerance asks for, a smaller tolerance alone would change nothing.
+#[test]
+fn steps_may_decide_the_error_of_an_adaptive_method() {
+    for (h, tolerance) in [(0.3, 1e-3), (0.1, 1e-3), (0.1, 1e-6), (1.0, 1e-3), (1.0, 1e-6), (0.3, 1e-9)] {
+        let (estimate, truth) = told(Dop853::adaptive(h, tolerance), (6.0 / h) as u64);
+        within(1.1, &estimate, truth, &format!("DOP853 with {h} and {tolerance:e}"));
+    }
+    for (order, h, tolerance) in
+        [(6, 0.01, 1e-6), (6, 0.1, 1e-6), (4, 0.01, 1e-6), (12, 0.3, 1e-3), (4, 1.0, 1e-6)]
+    {
+        let (estimate, truth) = told(Taylor::adaptive(order, h, tolerance), (6.0 / h) as u64);
+        within(1.1, &estimate, truth, &format!("Taylor {order} with {h} and {tolerance:e}"));
+    }
+    // Beyond rounding.
+    for tolerance in [1e-14, 1e-15, 1e-16] {
+        let (estimate, truth) = told(Taylor::adaptive(16, 0.1, tolerance), 60);
+        assert!(estimate.position < 1e-13 && truth < 1e-13, "{estimate}, in truth {truth:e}");
+        let (estimate, truth) = told(Dop853::adaptive(0.1, tolerance), 60);
+        assert!(estimate.position < 1e-13 && truth < 1e-13, "{estimate}, in truth {truth:e}");
+    }
+}
+
+/// However few: the run that is compared is never the run itself.
+#[test]
+fn few_steps_have_an_error_too() {
+    for steps in (1..24).chain([33, 101, 102, 103]) {
+        let (estimate, truth) = told(Rattle::new(0.05), steps);
+        within(1.1, &estimate, truth, &format!("{steps} steps of RATTLE"));
+        let (estimate, truth) = told(Lobatto::<3>::new(0.05), steps);
+        within(1.1, &estimate, truth, &format!("{steps} steps of Lobatto"));
+    }
+}
+
+/// Another motion is told from an error, where it is off by more than that.
+#[test]
+fn starts_of_another_motion_are_refused() {
+    fn refused<M: Method>(method: M, steps: u64) {
+        let scene = Scene::on(Torus { major: 1.0, minor: 0.3 }).with(Gravity { g: 1.0 });
+        let start = |v: f64| State::at([1.3, 0.0, 0.0]).moving([0.0, 1.0, v]);
+        let mut run = scene.simulate(start(0.3), method).unwrap();
+        run.run(steps).unwrap();
+        assert!(run.estimate_error(&start(0.3)).is_ok());
+        let other = run.estimate_error(&start(0.5));
+        assert!(matches!(other, Err(Error::Price(PriceMistake::OtherMotion { .. }))), "{other:?}");
+    }
+    for steps in [1, 3, 8, 100, 101] {
+        refused(Rattle::new(0.01), steps);
+        refused(Lobatto::<3>::new(0.01), steps);
+        refused(Dop853::adaptive(0.01, 1e-6), steps);
+        refused(Variable::of(Rattle::new(0.01), 0.5), steps);
+    }
+}
+
+/// A step of twice 0.55 leaves the sphere of radius 1: then steps half as long are compared.
+#[test]
+fn runs_that_cannot_be_compared_are_told() {
+    let scene = Scene::on(Sphere { r: 1.0 });
+    let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
+    let mut run = scene.simulate(start.clone(), Rattle::new(0.55)).unwrap();
+    run.run(10).unwrap();
+    let off = 10.0 * (0.55_f64.asin() - 0.55); // an angle
+    within(1.1, &run.estimate_error(&start).unwrap(), 2.0 * (0.5 * off).sin(), "long steps on a sphere");
+
+    // At the ends of whole steps the gate is open, and in the middle of one there is none.
+    let h = 0.1;
+    let gate = Scene::point().with(Gate { w: std::f64::consts::TAU / h });
+    let start = State::at([0.0; 3]);
+    let mut run = gate.simulate(start.clone(), Rattle::new(h)).unwrap();
+    run.run(4).unwrap();
+    let error = run.estimate_error(&start).unwrap_err().to_string();
+    assert!(
+        error.starts_with("the comparison with steps of 0.05 failed: step 1 (t = 0.0), body 0:"),
+        "{error}"
+    );
 }

@@ -1,5 +1,6 @@
 //! Errors of measuring the cost of accuracy.
 
+use crate::error::Error;
 use crate::error::numbers::Short;
 use std::fmt;
 
@@ -52,6 +53,26 @@ pub enum PriceMistake {
         /// The present time.
         now: f64,
     },
+    /// A start of the right time from which another motion began.
+    #[error(
+        "the same steps from this start end {} from the present positions: give a state of this simulation",
+        Short(*.off)
+    )]
+    OtherMotion {
+        /// The largest distance of a body from where it is.
+        off: f64,
+    },
+    /// A run that was to be compared with failed.
+    #[error("the comparison with steps of {}{} failed: {error}", Short(*.h), with_tolerance(*.tolerance))]
+    Comparison {
+        /// The step size of that run.
+        h: f64,
+        /// Its tolerance, if it has one.
+        tolerance: Option<f64>,
+        /// Why it failed.
+        #[source]
+        error: Box<Error>,
+    },
     /// No method reaches the wanted error.
     #[error("an error of {wish:.1e} {what} cannot be had: the best is {best:.1e}, by {method}; {limit}")]
     Unreachable {
@@ -66,6 +87,11 @@ pub enum PriceMistake {
         /// What limits the accuracy.
         limit: Limit,
     },
+}
+
+/// A tolerance, as part of a sentence.
+fn with_tolerance(tolerance: Option<f64>) -> String {
+    tolerance.map_or_else(String::new, |tolerance| format!(" and a tolerance of {}", Short(tolerance)))
 }
 
 /// What limits accuracy.

@@ -1,12 +1,19 @@
 //! The error of a finished simulation, estimated from other runs.
 //!
 //! ```text
-//! E(h) = C hᵖ:   d₁ = |q(h) − q(2h)| = (ρ − 1) E(h),   d₂ = |q(2h) − q(4h)| = ρ d₁,   E(h) = d₁/(ρ − 1)
+//! E(h) = C hᵖ:   d₁ = |q(h) − q(rh)| = (rᵖ − 1) E(h),   d₂ = |q(rh) − q(sh)| = (sᵖ − rᵖ) E(h)
 //! ```
 //!
-//! ρ is the observed ratio d₂/d₁, limited to 2 ≤ ρ ≤ 2ᵖ. So the estimate is right also where the method does not yet
-//! show its order; where rounding dominates, it is d₁. Errors of adaptive methods are no power of the tolerance: these
-//! methods are compared with a run at a hundredth of the tolerance.
+//! r is 2 and s is 4, or somewhat more where the number of steps is no multiple of 4. p is the observed order, that of
+//! d₂/d₁, limited to 1 and the order of the method. So the estimate is right also where the method does not yet show
+//! its order; where rounding dominates, it is at most d₁.
+//!
+//! A few steps cannot be made longer: there, the other run has steps half as long, and E(h) = |q(h) − q(h/2)|/(1 − 2⁻ᵖ)
+//! with the order p of the method. So it is where a run with longer steps fails.
+//!
+//! Errors of adaptive methods are those of the tolerance, no power of it, or those of h where an inner step is a whole
+//! one. The other run has both finer: steps half as long, and a hundredth of the tolerance. It is more exact whichever
+//! decides.
 //!
 //! The other runs have the contacts, edges and halvings of the simulation. All begin and end at the same times:
 //!
@@ -32,11 +39,16 @@ use std::fmt;
 use std::iter::zip;
 
 /// Corrections of the last of the variable steps: the density of steps changes little within one. Where it does change,
-/// as many halvings follow as double numbers have digits.
+/// halvings follow.
 const CORRECTIONS: u32 = 16;
+/// Halvings of an interval: as many as double numbers have bits.
 const HALVINGS: u32 = 53;
 /// A variable step is at most so many times as long as the longest: their density follows the wanted one to a factor.
 const LONGER: f64 = 3.0;
+/// Fewer steps are not made longer: two or three of them say nothing of an order.
+const FEW: u64 = 8;
+/// The same steps from the same start lead to the same place, up to so many roundings.
+const SAME: f64 = 1e6;
 
 /// An estimated error, and the cost of the estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,11 +78,21 @@ impl fmt::Display for Estimate {
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// Estimates the error of the present positions, for a simulation that ran from `start` until now: its first state,
-    /// or a [`state`](Self::state) on the way, from where errors are then counted. Fixed-step
-    /// methods are compared with runs with steps twice and four times as long, which together take three quarters of
-    /// the time of the simulation; adaptive methods with one run at a hundredth of the tolerance. The other runs meet
-    /// the same [contacts](Self::collide), [cross edges](Self::over_kinks) and [halve steps](Self::retry) as this one.
-    /// Where motion is chaotic and the error has grown to the size of the motion, the estimate has that size.
+    /// or a [`state`](Self::state) on the way, from where errors are then counted.
+    ///
+    /// * Fixed steps: compared with runs with steps twice and four times as long, which together take three quarters of
+    ///   the time of the simulation.
+    /// * Fewer than 8 steps, and where a run with longer steps fails: compared with one run with steps half as long.
+    /// * Adaptive methods: compared with one run with steps half as long, and a hundredth of the tolerance, which takes
+    ///   some two to four times the time. Where that is below what rounding allows, the tolerance is the same.
+    ///
+    /// The other runs meet the same [contacts](Self::collide), [cross edges](Self::over_kinks) and
+    /// [halve steps](Self::retry) as this one. Where motion is chaotic and the error has grown to the size of the
+    /// motion, the estimate has that size.
+    ///
+    /// A start is not that of this simulation if its time is not so many steps ago; or if the other runs agree better
+    /// with each other than with this one, and the same steps from this start do not lead here. Another start that is
+    /// off by less than the errors are is not seen.
     ///
     /// The start of a staggered method is one for its step size, as
     /// [`Scene::staggered`](crate::scene::Scene::staggered) makes it; those of the other runs are made from it.
@@ -88,9 +110,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     ///
     /// # Errors
-    /// That of the first comparison run that fails; [`Error::Price`] where no step was taken, steps or forces draw
-    /// random numbers, or `start` is not one from which so many steps lead to the present time; [`Error::BodyCount`]
-    /// for a start with another number of bodies.
+    /// [`Error::Price`] where no step was taken, steps or forces draw random numbers, `start` is not one of this
+    /// simulation, or the last comparison fails; [`Error::BodyCount`] for a start with another number of bodies.
     #[doc(alias = "accuracy")]
     #[doc(alias = "convergence")]
     #[doc(alias = "Richardson extrapolation")]
@@ -111,32 +132,58 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             return Err(Error::Price(PriceMistake::Random { effect }));
         }
         let begun = clock.now();
-        if let Some(finer) = self.method.with_tolerance_times(0.01) {
-            let exact = self.other(start, finer, steps)?;
-            let energy = (self.energy() - exact.energy()).abs();
-            let position = self.apart(&exact).max(self.rounding());
-            return Ok(Estimate { position, energy, order: None, steps, seconds: clock.now() - begun });
+        let halved = || self.by_shorter(start, steps, &self.method);
+        let estimate = match self.method.with_tolerance_times(0.01) {
+            Some(finer) => self.by_shorter(start, steps, &finer).or_else(|_| halved()),
+            None if steps < FEW => halved(),
+            None => self.by_longer(start, steps).or_else(|_| halved()),
+        };
+        let (estimate, other) = estimate?;
+        if let Some(other) = other {
+            self.expect_from(start, steps, &other)?;
         }
-        let twice = self.coarser(start, steps, 2)?;
-        let first = self.apart(&twice);
+        Ok(Estimate { seconds: clock.now() - begun, ..estimate })
+    }
+
+    /// The error by runs with longer steps; with one of them if they agree better with each other than with this one.
+    fn by_longer(&self, start: &State<D>, steps: u64) -> Result<(Estimate, Option<Self>), Error> {
+        let ((twice, r), (fourfold, s)) = (self.longer(start, steps, 2)?, self.longer(start, steps, 4)?);
+        let (first, second) = (self.apart(&twice), twice.apart(&fourfold));
         let energy = (self.energy_at_once() - twice.energy_at_once()).abs();
-        let most = 2_f64.powi(self.method.order() as i32);
-        let (mut gain, mut others, mut order) = (most, twice.steps, None);
-        if let Ok(fourfold) = self.coarser(start, steps, 4) {
-            others += fourfold.steps;
-            if first > 0.0 {
-                gain = (twice.apart(&fourfold) / first).clamp(2.0, most);
-                order = Some(gain.log2());
-            }
+        let most = f64::from(self.method.order().max(1));
+        let order = (first > 0.0).then(|| observed_order(second / first, [r, s], most));
+        let gain = r.powf(order.unwrap_or(most)) - 1.0;
+        let position = (first / gain).max(self.rounding());
+        let steps = twice.steps + fourfold.steps;
+        let estimate = Estimate { position, energy: energy / gain, order, steps, seconds: 0.0 };
+        Ok((estimate, (second < first).then_some(twice)))
+    }
+
+    /// The error by a run of this method with steps half as long; with that run if the error is beyond the tolerance.
+    fn by_shorter(
+        &self,
+        start: &State<D>,
+        steps: u64,
+        method: &S,
+    ) -> Result<(Estimate, Option<Self>), Error> {
+        let h = 0.5 * self.step_size();
+        let other = self.compared(start, method.with_step(h), 2 * steps)?;
+        let part = 1.0 - 0.5_f64.powf(f64::from(self.method.order().max(1)));
+        let position = (self.apart(&other) / part).max(self.rounding());
+        let energy = (self.energy_at_once() - other.energy_at_once()).abs() / part;
+        let estimate = Estimate { position, energy, order: None, steps: other.steps, seconds: 0.0 };
+        let is_fine = self.method.tolerance().is_some_and(|tolerance| position <= tolerance);
+        Ok((estimate, (!is_fine).then_some(other)))
+    }
+
+    /// Refuses a start from which the same steps lead nearer to the end of this other run than to here.
+    fn expect_from(&self, start: &State<D>, steps: u64, other: &Self) -> Result<(), Error> {
+        let again = self.other(start, self.method.clone(), steps)?;
+        let off = self.apart(&again);
+        if off > again.apart(other) && off > SAME * self.rounding() {
+            return Err(Error::Price(PriceMistake::OtherMotion { off }));
         }
-        let position = (first / (gain - 1.0)).max(self.rounding());
-        Ok(Estimate {
-            position,
-            energy: energy / (gain - 1.0),
-            order,
-            steps: others,
-            seconds: clock.now() - begun,
-        })
+        Ok(())
     }
 
     /// By how much a position is rounded.
@@ -150,23 +197,34 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let (h, now) = (self.step_size(), self.time());
         let (way, end) = (steps as f64 * h, start.time() + steps as f64 * h);
         let same = (end - now).abs() <= 1e-9 * way.abs() + 4.0 * f64::EPSILON * now.abs();
-        if self.method.time_taken(self.memory.as_ref()).is_none() && !same {
+        if !self.is_variable() && !same {
             return Err(Error::Price(PriceMistake::OtherStart { start: start.time(), steps, end, now }));
         }
         positive("number of steps taken", steps as f64).map(|_| steps)
     }
 
-    /// A run from this start to the same time, which is so many steps away, with steps so many times as long.
-    fn coarser(&self, start: &State<D>, whole: u64, times: u64) -> Result<Self, Error> {
-        if self.method.time_taken(self.memory.as_ref()).is_some() {
-            let mut other =
-                self.begin_again(start, self.method.with_step(self.step_size() * times as f64))?;
-            other.land(self.time())?;
-            return Ok(other);
-        }
-        let steps = (whole / times).max(1);
-        let h = self.step_size() * whole as f64 / steps as f64;
-        self.other(start, self.method.with_step(h), steps)
+    /// A run from this start to the same time with steps so many times as long, or somewhat longer, and how many times.
+    fn longer(&self, start: &State<D>, whole: u64, times: u64) -> Result<(Self, f64), Error> {
+        let steps = if self.is_variable() { whole } else { whole / times };
+        let ratio = if self.is_variable() { times as f64 } else { whole as f64 / steps as f64 };
+        let method = self.method.with_step(self.step_size() * ratio);
+        self.compared(start, method, steps).map(|run| (run, ratio))
+    }
+
+    /// A run from this start to the same time by another method, in so many steps if they have one length.
+    fn compared(&self, start: &State<D>, method: S, steps: u64) -> Result<Self, Error> {
+        let (h, tolerance) = (method.step_size(), method.tolerance());
+        let run = if self.is_variable() {
+            self.begin_again(start, method).and_then(|mut other| other.land(self.time()).map(|()| other))
+        } else {
+            self.other(start, method, steps)
+        };
+        run.map_err(|error| Error::Price(PriceMistake::Comparison { h, tolerance, error: Box::new(error) }))
+    }
+
+    /// Whether steps have their own lengths.
+    fn is_variable(&self) -> bool {
+        self.method.time_taken(self.memory.as_ref()).is_some()
     }
 
     /// A run from this start by another method.
@@ -240,4 +298,15 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     fn apart(&self, other: &Self) -> f64 {
         zip(self.positions(), other.positions()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
     }
+}
+
+/// The order p, from 1 to `most`, with (sᵖ − rᵖ)/(rᵖ − 1) = `ratio`.
+fn observed_order(ratio: f64, [r, s]: [f64; 2], most: f64) -> f64 {
+    let (mut low, mut high) = (1.0, most);
+    for _ in 0..HALVINGS {
+        let order = 0.5 * (low + high);
+        let at = (s.powf(order) - r.powf(order)) / (r.powf(order) - 1.0);
+        *(if at < ratio { &mut low } else { &mut high }) = order;
+    }
+    0.5 * (low + high)
 }
