@@ -5,7 +5,7 @@ use super::priced::{Counting, FREE, Forces, NONE, OnSurface, Several, on};
 use rattle::Error;
 use rattle::error::{Limit, PriceMistake};
 use rattle::prelude::*;
-use rattle::price::Planned;
+use rattle::price::{Candidate, Planned};
 
 const ANGLES: [f64; 3] = [0.5, 1.5, 2.8];
 const DURATIONS: [f64; 3] = [7.0, 20.0, 100.0];
@@ -185,4 +185,27 @@ fn rows_tell_the_largest_error_of_all_steps() {
         checked += 1;
     }
     assert!(checked > 2, "{checked} of\n{prices:#}");
+}
+
+/// Once `Taylor` reaches a wish, `DOP853` is not tried further where it takes longer, and the longer the finer it is.
+#[test]
+fn ladders_end_where_they_only_get_dearer() {
+    let mut longest = 0;
+    for angle in ANGLES {
+        for wish in [1e-7, 1e-9] {
+            let planned = released(angle, 7.0).within(wish, BUDGET).unwrap();
+            let rows = |method| planned.prices.rows.iter().filter(move |row| row.method == method);
+            let reached =
+                rows(Candidate::Taylor).filter(|row| row.position.is_some_and(|off| off < 0.1 * wish));
+            let least = reached.map(|row| row.seconds).fold(f64::INFINITY, f64::min);
+            let (mut before, mut dearer) = (f64::INFINITY, 0);
+            for row in rows(Candidate::Dop853) {
+                dearer = if row.seconds > least.max(before) { dearer + 1 } else { 0 };
+                before = row.seconds;
+                longest = longest.max(dearer);
+            }
+            assert!(least.is_finite() && dearer <= 3, "from {angle}, {wish:e}: {dearer} in turn");
+        }
+    }
+    assert!(longest > 1);
 }

@@ -38,8 +38,9 @@ const SHARE_OF_AIM: f64 = 1e-2;
 /// found.
 const FOR_REFERENCE: f64 = 0.35;
 const FOR_LONGER: f64 = 0.5;
-/// Where an error is aimed at, a ladder ends after so many rows that reach it, or so many that cost more than it must;
-/// that of an adaptive method one row later.
+/// Where an error is aimed at, a ladder ends after so many rows that reach it, or so many in turn that cost more than
+/// it must. With an adaptive method one more is to reach it, and none that is cheaper than the row before counts; nor
+/// does a dear row count there that is not dearer than the row before.
 const ENOUGH: usize = 2;
 const DEARER: usize = 3;
 /// There, a method may take a third of what is left: the next ones are cut short by what it finds.
@@ -363,7 +364,7 @@ fn climb(runner: &Runner<'_>, to_climb: &Climb<'_>, method: Candidate) -> (Vec<P
     let size = runner_size(runner, pilot);
     let mut steps = pilot.steps(method.reach() * pilot.longest);
     let (mut tolerance, mut seconds, mut stuck) = (size * 0.01, 0.0, 0);
-    let (mut enough, mut dearer) = (0, 0);
+    let (mut enough, mut dearer, mut before) = (0, 0, f64::NAN);
     for _ in 0..RUNGS {
         // Sampled once and timed once or more often: what the next rung will take at least.
         if 3.0 * seconds > runner.left() {
@@ -378,11 +379,12 @@ fn climb(runner: &Runner<'_>, to_climb: &Climb<'_>, method: Candidate) -> (Vec<P
                     row.position.is_some_and(|error| error.is_nan() || error > USELESS * reference.way);
                 stuck = if row.rounding { stuck + 1 } else { 0 };
                 // With a large tolerance an adaptive method tries steps in vain, and may be cheaper with a smaller one.
-                let falls =
-                    method.is_adaptive() && rows.last().is_some_and(|last| row.seconds < last.seconds);
-                let (is_enough, is_dearer) = (to_climb.is_enough(&row), row.seconds > to_climb.least);
-                enough += usize::from(is_enough && !falls);
-                dearer += usize::from(is_dearer && !falls && (is_enough || !method.is_adaptive()));
+                let falls = method.is_adaptive() && row.seconds < before;
+                let rises = !method.is_adaptive() || row.seconds > before;
+                let is_dearer = row.seconds > to_climb.least && rises;
+                before = row.seconds;
+                enough += usize::from(to_climb.is_enough(&row) && !falls);
+                dearer = if is_dearer { dearer + 1 } else { 0 };
                 if !useless || reference.way == 0.0 {
                     rows.push(row);
                 }
@@ -403,7 +405,7 @@ fn climb(runner: &Runner<'_>, to_climb: &Climb<'_>, method: Candidate) -> (Vec<P
         // Shorter steps improve an average long after positions are at their rounding; smaller tolerances do not.
         stuck = if to_climb.is_for_average() && !method.is_adaptive() { 0 } else { stuck };
         let later = usize::from(method.is_adaptive());
-        if stuck == 2 || enough == ENOUGH + later || dearer == DEARER + later {
+        if stuck == 2 || enough == ENOUGH + later || dearer == DEARER {
             break;
         }
         if method.is_adaptive() {
