@@ -8,7 +8,9 @@ use rattle::checkpoint::{
     Checkpoint, CheckpointError, Data, Field, Record, Save, decode, encode, read, write,
 };
 use rattle::composition::{Coefficients, SUZUKI_1990_ORDER_4};
-use rattle::effect::{Andersen, HardSpheres, Langevin, LinearDrag, SelfPropulsion, Stop, VelocityRescaling};
+use rattle::effect::{
+    Andersen, DryFriction, HardSpheres, Langevin, LinearDrag, SelfPropulsion, Stop, VelocityRescaling,
+};
 use rattle::method::{Failure, Fixed, Map, Witness};
 use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::potentials::LennardJones;
@@ -23,6 +25,12 @@ potential! {
     /// Weight that comes and goes.
     struct Tide { g, w }
     |_x, _y, z, t| g * sin(w * t) * z
+}
+
+force! {
+    /// A push that comes and goes.
+    struct Push { g, w }
+    |_q: [f64; 3], v: [f64; 3], t| [g * sin(w * t), 0 * v[0], 0]
 }
 
 potential! {
@@ -217,7 +225,7 @@ fn another_run_is_refused_by_name() {
     refused(
         &bathed,
         bath(2).simulate(start(), Rattle::new(h)).unwrap(),
-        "(flow 0): it was written by Langevin",
+        "(flow 0): it was written by Langevin (random) with",
     );
     let chain = |m: f64| Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]).masses([1.0, 1.0, m]);
     let hanging = chain(1.0).simulate(double_pendulum(), Rattle::new(h)).unwrap();
@@ -321,6 +329,13 @@ fn every_parameter_of_an_effect_counts() {
     differ!(swims(0.3, 7), swims(0.3, 8), "flow 0)");
     differ!(swims(0.3, 7), swims(0.4, 7), "flow 0)");
     differ!(Tide { g: 1.0, w: 2.0 }, Tide { g: 1.0, w: 3.0 }, "run (effect 0)");
+    differ!(Push { g: 1.0, w: 2.0 }, Push { g: 1.0, w: 3.0 }, "run (flow 0)");
+    let on_top = |r: f64| State::at([0.0, 0.0, r]);
+    let resting = |coefficient| Scene::on(Sphere { r: 1.0 }).with(DryFriction { coefficient });
+    let rests = |mu| resting(mu).simulate(on_top(1.0), Rattle::new(0.01)).unwrap();
+    refused(&rests(0.5), rests(0.6), "run (parameters of flow 0): it was written by DryFriction with 0.5");
+    let small = |r| Scene::on(Sphere { r }).simulate(on_top(r), Rattle::new(0.01)).unwrap();
+    refused(&small(1e-9), small(2e-9), "run (constraints): it was written by one with constraints of");
 }
 
 #[test]

@@ -87,6 +87,11 @@ impl<const D: usize> Flow<D> for DryFriction {
         }
     }
 
+    /// It does not show where a body is at rest.
+    fn parameters(&self) -> Vec<f64> {
+        vec![self.coefficient]
+    }
+
     fn check(&self, _: usize) -> Result<(), EffectMistake> {
         EffectMistake::unless_positive_or_zero("coefficient", self.coefficient)
     }

@@ -4,7 +4,7 @@ use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::number::real::Real;
 use std::array::from_fn;
-use std::fmt::Debug;
+use std::fmt::{self, Debug};
 
 /// The input of a flow: the bodies, and a time interval in which only their momenta change.
 #[derive(Debug)]
@@ -133,6 +133,15 @@ pub struct Manner {
     pub feels: bool,
     /// Whether it is a [push](crate::effect::Acting::PUSHES).
     pub pushes: bool,
+}
+
+/// As words of a message: "random", "symmetric, feels forces".
+impl fmt::Display for Manner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.rule == Rule::Random { "random" } else { "symmetric" })?;
+        f.write_str(if self.feels { ", feels forces" } else { "" })?;
+        f.write_str(if self.pushes { ", pushes" } else { "" })
+    }
 }
 
 impl Manner {

@@ -10,6 +10,8 @@ use crate::error::{Error, RecordMistake};
 /// are the same; the libraries of two differ by some roundings, which a difference near a constraint makes 10³ times as
 /// large.
 const SAME: f64 = 1e-10;
+/// What stands in files in the place of the name of a type, for parts that have none. No message shows it.
+const NAMELESS: [&str; 3] = ["a list", "a function", "a surface"];
 
 /// Numbers of one kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -264,7 +266,7 @@ impl<'a> Reading<'a> {
     /// # Errors
     /// [`RecordMistake::Another`] names the first that differs.
     pub fn same(&mut self, here: &[Hallmark]) -> Result<(), Error> {
-        for Hallmark { part, name, numbers, apart } in here {
+        for mark @ Hallmark { part, name, numbers, apart } in here {
             let another = |file: String, here: String| {
                 Err(Error::Record(RecordMistake::Another { part: part.clone(), file, here }))
             };
@@ -280,11 +282,7 @@ impl<'a> Reading<'a> {
             };
             self.rest = rest;
             if let Some(i) = first_other(its, numbers, *apart) {
-                let one = |all: &[f64]| match all.get(i) {
-                    Some(x) => format!("{name} with {x:?}"),
-                    None => format!("{name} of {} numbers", all.len()),
-                };
-                return another(one(its), one(numbers));
+                return another(mark.told(its, i), mark.told(numbers, i));
             }
         }
         Ok(())
@@ -330,6 +328,16 @@ impl Hallmark {
     /// The hallmark of this part by its parameters.
     pub fn of_parameters(part: impl Into<String>, name: impl Into<String>, numbers: Vec<f64>) -> Self {
         Self { apart: true, ..Self::new(part, name, numbers) }
+    }
+
+    /// What a message says of it if this one of its numbers is another.
+    fn told(&self, numbers: &[f64], i: usize) -> String {
+        let Self { part, name, .. } = self;
+        match numbers.get(i) {
+            Some(x) if NAMELESS.contains(&&**name) => format!("one with {part} of {x:?} near its places"),
+            Some(x) => format!("{name} with {x:?}"),
+            None => format!("{name} of {} numbers", numbers.len()),
+        }
     }
 
     /// Writes the fields that [`Reading::same`] compares.

@@ -1,10 +1,12 @@
 //! Fingerprints of scene and method: the values that they give at a state and near it.
 //!
 //! The code of an expression cannot be compared at run time, but its values can. Masses, constraints, energies and each
-//! effect alone are evaluated at positions that differ from those of the record by pseudo-random steps of a thousandth,
-//! so that g is not zero there, and somewhat later, so that what changes with time counts at time 0 as well. So
-//! parameters, expressions, masses, pins and the order of effects all count. What such values need not show is compared
-//! by itself: parameters of methods, contacts and [flows](crate::effect::Flow::parameters).
+//! effect alone are evaluated at positions that differ from those of the record by pseudo-random steps of a thousandth
+//! or two, so that g is not zero there, and somewhat later, so that what changes with time counts at time 0 as well. So
+//! parameters, expressions, masses, pins and the order of effects all count where they show in such values. What such
+//! values need not show is compared by itself: parameters of methods, contacts and
+//! [flows](crate::effect::Flow::parameters). What is zero there and has no list of parameters does not count: a
+//! potential between bodies of which no two are within its reach, or one that acts elsewhere.
 
 use crate::effect::list::Forces;
 use crate::effect::noise::Noise;
@@ -16,25 +18,33 @@ use crate::motion::system::System;
 use crate::number::real::Real;
 use std::any::type_name;
 
-/// It is looked beside a place by so much of the largest coordinate, or of 1; and after a time by so much of it, or of
-/// 1.
-const BESIDE: f64 = 1e-3;
+/// It is looked beside a place by so much of a [size]; and after a time by so much of it, or of 1.
+pub(in crate::run) const BESIDE: f64 = 1e-3;
 
-/// Places and momenta beside these.
+/// The size of these numbers, which have a unit: the largest, rounded up to a power of two; 1 where all are zero.
+fn size<'a>(numbers: impl Iterator<Item = &'a f64>) -> f64 {
+    let most = numbers.fold(0.0_f64, |most, x| most.max(x.abs()));
+    if most == 0.0 { 1.0 } else { 2_f64.powi(most.log2().ceil() as i32) }
+}
+
+/// Places and momenta beside these, each by a part of their own size.
 #[inline(never)]
 pub(in crate::run) fn beside<const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Body<f64, D>> {
-    let all = bodies.iter().flat_map(|body| body.q.iter().chain(&body.p));
-    let step = BESIDE * all.fold(1.0_f64, |most, x| most.max(x.abs()));
+    let places = BESIDE * size(bodies.iter().flat_map(|body| &body.q));
+    let momenta = BESIDE * size(bodies.iter().flat_map(|body| &body.p));
     let mut number = 0_u32;
-    let mut aside = |x: f64| {
+    let mut aside = |x: f64, step: f64| {
         number += 1;
         x + step * ((f64::from(number) * 0.618_033_988_749_894_9).fract() - 0.3)
     };
     let zero = [0.0; D];
-    bodies
-        .iter()
-        .map(|body| Body { q: body.q.map(&mut aside), q_low: zero, p: body.p.map(&mut aside), p_low: zero })
-        .collect()
+    let mut moved = |body: &Body<f64, D>| Body {
+        q: body.q.map(|q| aside(q, places)),
+        q_low: zero,
+        p: body.p.map(|p| aside(p, momenta)),
+        p_low: zero,
+    };
+    bodies.iter().map(&mut moved).collect()
 }
 
 /// The parts of a system, asked beside these bodies at this time.
@@ -79,7 +89,7 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
         let given = Given { velocities, rates, holding, coming: rates, ..Given::of(BESIDE, true, noise) };
         let mut changes = vec![[0.0; D]; n];
         system.flow(number, given, &mut bodies, &mut changes);
-        let name = format!("{} ({manner:?})", short_name(name));
+        let name = format!("{} ({manner})", short_name(name));
         marks.push(Hallmark::new(format!("flow {number}"), name, changes.as_flattened().to_vec()));
     }
     marks.extend((0..Y::FLOWS).filter_map(|number| of_flow(number, system.effects())));

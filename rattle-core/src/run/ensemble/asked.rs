@@ -12,7 +12,7 @@ use crate::number::lanes::Lane;
 use crate::number::vector::{dot, scaled, sum};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::laws::Laws;
-use crate::run::fingerprint::{beside, of_effect};
+use crate::run::fingerprint::{BESIDE, beside, of_effect};
 use crate::run::watch::sight::Sight;
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
 use nalgebra::SVector;
@@ -42,7 +42,7 @@ pub(super) fn forces<S: Lane, X: Laws<S, D>, const D: usize>(laws: &X) -> Vec<&'
     names
 }
 
-/// What tells what a lane obeys from other laws, asked beside this body.
+/// What tells what a lane obeys from other laws, asked beside this body and the time 0.
 pub(super) fn hallmarks<S: Lane, X: Laws<S, D>, const D: usize>(
     laws: &X,
     lane: usize,
@@ -54,7 +54,7 @@ pub(super) fn hallmarks<S: Lane, X: Laws<S, D>, const D: usize>(
     let ([g], [gradient]) = constraint.borrow().value_and_jacobian(&q);
     let constraints = [numbers(&[g]), numbers(&gradient)].concat();
     let mut marks = vec![Hallmark::new("constraints", "a surface", constraints)];
-    let (at, mut room) = (Moment { time: 0.0, positions: &[q] }, effects.room(1));
+    let (at, mut room) = (Moment { time: BESIDE, positions: &[q] }, effects.room(1));
     for number in 0..X::Forces::EFFECTS {
         let mut force = [[S::default(); D]];
         let name = effects.contribute_alone(number, at, &mut room, &mut force);

@@ -25,7 +25,7 @@ use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::block::is_finite;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::rhythm::Rhythm;
-use crate::run::fingerprint::of_flow;
+use crate::run::fingerprint::{BESIDE, of_flow};
 use crate::systems::surface::normal::Normal;
 use std::array::from_fn;
 use std::borrow::Borrow;
@@ -144,7 +144,7 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
         self.flows.iter().any(|flow| matches!(flow, Stir::Asked(Rule::Random)))
     }
 
-    /// What tells the flows of a lane from others, asked beside this place.
+    /// What tells the flows of a lane from others, asked beside this place and the time 0.
     pub(super) fn hallmarks<X: Laws<S, D>>(&self, laws: &X, lane: usize, q: [S; D]) -> Vec<Hallmark> {
         let effects = laws.effects(lane);
         let (effects, time) = (effects.borrow(), self.rhythm.time);
@@ -160,10 +160,10 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
             let (noise, mut changes) = (Noise { effect: number as u64, ..Noise::default() }, [q]);
             let (at, normals) = ([q], [Normal::new(gradient)]);
             let normals = &&normals[..];
-            let during = interval(time, Half::Before, 0.0, [&at, &at], normals, noise);
+            let during = interval(time, Half::Before, BESIDE, [&at, &at], normals, noise);
             laws.flow(lane, number, &during, &mut changes);
             let numbers = changes[0].map(S::to_f64).to_vec();
-            Hallmark::new(part, format!("{} ({manner:?})", short_name(name)), numbers)
+            Hallmark::new(part, format!("{} ({manner})", short_name(name)), numbers)
         };
         let parameters = (0..X::Forces::FLOWS).filter_map(|number| of_flow(number, effects));
         (0..X::Forces::FLOWS).map(mark).chain(parameters).collect()
