@@ -149,3 +149,27 @@ fn interrupted_it_ends_after_the_step_and_is_saved() {
     let steps = steps_in(&path);
     assert!(words.contains(&format!("stopped after {steps} steps; start it again")), "{words}");
 }
+
+/// Folders are made before the first step, and a place where nothing can be written is told then.
+#[test]
+fn a_run_that_cannot_be_saved_does_not_begin() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("missing/folder/run.rattle");
+    let mut one = run("particle");
+    let saving = Saving::to(&path).every(5);
+    let mut begun = false;
+    saving
+        .run_to_by(&mut *one, 10, 1, |run, steps| {
+            begun = begun || path.parent().is_some_and(Path::is_dir);
+            run.take_steps(steps)
+        })
+        .unwrap();
+    assert!(begun && path.is_file());
+    assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1, "something is left beside the file");
+
+    for place in [folder.path().to_path_buf(), path.join("below a file")] {
+        let mut one = run("particle");
+        assert!(Saving::to(&place).run_to(&mut *one, 10).is_err());
+        assert_eq!(one.steps_taken(), 0, "{}", place.display());
+    }
+}

@@ -100,8 +100,29 @@ pub fn read(path: impl AsRef<Path>) -> Result<Record, CheckpointError> {
     decode(&bytes, path)
 }
 
+/// Makes missing folders, and fails where a record cannot be written to this file. What the file has stays.
+pub(super) fn make_way(path: &Path) -> Result<(), CheckpointError> {
+    let tried = path.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| {
+        let (_, beside) = places(path)?;
+        File::create(&beside)?;
+        fs::remove_file(&beside)
+    });
+    tried.map_err(|source| CheckpointError::Io { path: path.into(), source })
+}
+
 /// Writes beside the file, syncs, renames, and syncs the folder.
 fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let (place, beside) = places(path)?;
+    let written = fill(&beside, bytes).and_then(|()| fs::rename(&beside, &place));
+    if let Err(error) = written {
+        let _ = fs::remove_file(&beside); // which may not be there
+        return Err(error);
+    }
+    sync_folder(&place)
+}
+
+/// Where the file is, and where it is written before it gets its name.
+fn places(path: &Path) -> io::Result<(PathBuf, PathBuf)> {
     let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf()); // a link stays one
     if fs::metadata(&place).is_ok_and(|found| !found.is_file()) {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "there is something that is no plain file"));
@@ -112,12 +133,7 @@ fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut beside = name.to_os_string();
     beside.push(".part");
     let beside = place.with_file_name(beside);
-    let written = fill(&beside, bytes).and_then(|()| fs::rename(&beside, &place));
-    if let Err(error) = written {
-        let _ = fs::remove_file(&beside); // which may not be there
-        return Err(error);
-    }
-    sync_folder(&place)
+    Ok((place, beside))
 }
 
 fn fill(beside: &Path, bytes: &[u8]) -> io::Result<()> {

@@ -1,6 +1,7 @@
 //! Runs that save themselves.
 
 use super::error::CheckpointError;
+use super::file::make_way;
 use super::save::Save;
 use crate::Error;
 use rattle_core::run::checkpoint::Checkpoint;
@@ -35,7 +36,8 @@ pub struct Saving {
 }
 
 impl Saving {
-    /// Saves a run to this file when it ends. To save at once, call [`simulation.save(path)`](super::Save::save).
+    /// Saves a run to this file when it ends. Missing folders are made before the first step. To save at once, call
+    /// [`simulation.save(path)`](super::Save::save).
     pub fn to(path: impl AsRef<Path>) -> Self {
         Self { path: path.as_ref().into(), every: None, seconds: None, stop: None }
     }
@@ -85,8 +87,8 @@ impl Saving {
     ///
     /// # Errors
     /// [`CheckpointError::Step`] for a step that cannot be taken; the steps before it are saved.
-    /// [`CheckpointError::Io`] where the run cannot be saved: it then stands at the step that was to be saved, and the
-    /// last checkpoint is unchanged.
+    /// [`CheckpointError::Io`] where the run cannot be saved: before the first step where that is known then, else it
+    /// stands at the step that was to be saved. The last checkpoint is unchanged.
     pub fn run_to(&self, run: &mut (impl Checkpoint + ?Sized), steps: u64) -> Result<Ended, CheckpointError> {
         self.run_to_by(run, steps, 1, |run, part| run.take_steps(part))
     }
@@ -124,6 +126,9 @@ impl Saving {
         every: u64,
         mut take: impl FnMut(&mut R, u64) -> Result<(), Error>,
     ) -> Result<Ended, CheckpointError> {
+        if run.steps_taken() < steps {
+            make_way(&self.path)?;
+        }
         let (mut saved, least) = (Instant::now(), run.at_a_time());
         let mut stretch = least;
         while run.steps_taken() < steps {
