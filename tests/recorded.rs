@@ -9,6 +9,8 @@ use rattle::vtu::Series;
 use rattle::watch::{Columns, Recorder, Rows};
 use rattle::{Error, data};
 use std::fs::{self, File};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A free body from this time on, in so many steps of h, recorded at these times.
 fn rows(start: f64, h: f64, steps: u64, times: &[f64]) -> Vec<f64> {
@@ -213,6 +215,27 @@ fn files_without_rows_have_columns() {
     ensemble.observe(9, 1, || Recorder::of(&columns, stream.sink())).finish().unwrap();
     assert_eq!(stream.finish().unwrap(), 2);
     assert_eq!(shape("q"), [1, 1, 3]);
+}
+
+/// A quantity is asked once for each row, and columns are found once, also where there are none.
+#[test]
+fn nothing_is_asked_without_a_row() {
+    let asked = Arc::new(AtomicU64::new(0));
+    let asks = asked.clone();
+    let columns = Columns::<3>::new().quantity("asked", move |_| asks.fetch_add(1, Ordering::Relaxed) as f64);
+    let mut simulation = Scene::point().simulate(State::at([0.0; 3]), Rattle::new(0.1)).unwrap();
+    let mut recorder = Recorder::of(&columns.at_times([0.35, 0.65]), Rows::default());
+    simulation.observe(10, 1, &mut recorder).unwrap();
+    let rows = recorder.finish().unwrap();
+    assert_eq!((rows.len(), asked.load(Ordering::Relaxed)), (2, 2));
+
+    let mut recorder = Recorder::of(&Columns::<3>::new().at_times([1e9]), Rows::default());
+    let mut allocated = |steps| {
+        let observed = || simulation.observe(steps, 1, &mut recorder).unwrap();
+        allocation_counter::measure(observed).count_total
+    };
+    let [few, many] = [10, 1000].map(&mut allocated);
+    assert!(many <= few, "{few} for 10 steps, {many} for 1000");
 }
 
 /// What moves by itself has no momentum of its own, and no temperature.

@@ -24,7 +24,9 @@ type Quantity<const D: usize> = Arc<dyn Fn(&Sight<'_, D>, &mut Vec<f64>) + Send 
 /// What a column has in a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Entry {
-    /// A number, or a list of them.
+    /// A number.
+    Number,
+    /// A list of numbers, of which a single one counts as a number.
     Numbers,
     /// A vector for each body.
     Vectors,
@@ -132,7 +134,7 @@ impl<const D: usize> Columns<D> {
     /// ```
     #[must_use]
     pub fn iterations(self) -> Self {
-        self.with("iterations", Entry::Numbers, |now, to| {
+        self.with("iterations", Entry::Number, |now, to| {
             to.push(now.corrections().map_or(f64::NAN, |count| count as f64))
         })
     }
@@ -140,7 +142,7 @@ impl<const D: usize> Columns<D> {
     /// Adds a number of your own, a function of a sight.
     #[must_use]
     pub fn quantity(self, name: &str, of: impl Fn(&Sight<'_, D>) -> f64 + Send + Sync + 'static) -> Self {
-        self.with(name, Entry::Numbers, move |now, to| to.push(of(now)))
+        self.with(name, Entry::Number, move |now, to| to.push(of(now)))
     }
 
     /// Adds a row of the start, before the first step that is observed.
@@ -343,6 +345,8 @@ pub struct Recorder<S: Sink, const D: usize> {
     handed_on: u64,
     /// When rows were handed on last.
     at: Instant,
+    /// Whether it is known how much stands in a row.
+    laid_out: bool,
     /// Steps of the start.
     start: Option<u64>,
     failure: Option<Error>,
@@ -353,8 +357,9 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
     /// observes ends with [`Error::Recorder`] at its first row.
     pub fn of(columns: &Columns<D>, sink: S) -> Self {
         let failure = columns.mistake().map(|why| Error::Recorder { rows: 0, why });
-        let (rows, at) = (Rows::default(), Instant::now());
-        Self { columns: columns.clone(), rows, sink: Some(sink), handed_on: 0, at, start: None, failure }
+        let (rows, at, laid_out) = (Rows::default(), Instant::now(), false);
+        let (columns, sink) = (columns.clone(), Some(sink));
+        Self { columns, rows, sink, handed_on: 0, at, laid_out, start: None, failure }
     }
 
     /// Passes on the last rows, and returns the sink. A recorder that is dropped passes them on too, and cannot say
@@ -416,7 +421,7 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
     }
 
     fn write(&mut self, now: &Sight<'_, D>) {
-        if self.rows.columns.is_empty() {
+        if !self.laid_out {
             self.lay_out(now);
         }
         self.rows.steps.push(now.step);
@@ -431,22 +436,27 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
         }
     }
 
-    /// Finds out how much stands in a row, by the first sight.
+    /// Finds out how much stands in a row, by the first sight. Quantities of a user's are not asked.
     #[cold]
     fn lay_out(&mut self, now: &Sight<'_, D>) {
         let (mut all, mut row) = (Vec::new(), Vec::new());
         for (name, entry, write) in &self.columns.columns {
             let from = row.len();
-            write(now, &mut row);
+            match entry {
+                Entry::Number => row.push(0.0),
+                Entry::Numbers | Entry::Vectors => write(now, &mut row),
+            }
             let number = row.len() - from;
             let shape = match entry {
                 Entry::Vectors => vec![number / D, D],
+                Entry::Number => Vec::new(),
                 Entry::Numbers if number == 1 => Vec::new(),
                 Entry::Numbers => vec![number],
             };
             all.push(Column { name: name.clone(), shape, place: from..row.len() });
         }
         self.rows.columns = all.into();
+        self.laid_out = true;
     }
 }
 
@@ -469,7 +479,7 @@ impl<S: Sink, const D: usize> Observer<D> for Recorder<S, D> {
         }
         if self.columns.wants(before, now) {
             self.write(now);
-        } else if self.rows.columns.is_empty() {
+        } else if !self.laid_out {
             self.lay_out(now); // for a file without rows
         }
     }
@@ -478,8 +488,9 @@ impl<S: Sink, const D: usize> Observer<D> for Recorder<S, D> {
         self.hand_on();
         next.hand_on();
         self.handed_on += next.handed_on;
-        if self.rows.columns.is_empty() {
+        if !self.laid_out {
             self.rows.columns = next.rows.columns.clone();
+            self.laid_out = next.laid_out;
         }
         self.failure = self.failure.take().or(next.failure.take());
         if let (Some(sink), Some(next)) = (&mut self.sink, next.sink.take()) {
