@@ -409,7 +409,11 @@ pub enum PlotError {
         title: String,
     },
     /// A coordinate is NaN, infinite or beyond 1e150.
-    #[error("chart `{title}`, curve {curve} `{label}`: point {index} is ({x}, {y})")]
+    #[error(
+        "chart `{title}`, curve {curve} `{label}`: point {index} is ({}, {}), {}; leave it out",
+        shortly(*x), shortly(*y),
+        if x.is_nan() || y.is_nan() { "which is not a number" } else { "which is beyond 1e150" }
+    )]
     NotFinite {
         /// The chart.
         title: String,
@@ -472,3 +476,9 @@ pub enum PlotError {
 }
 
 debug_as_display!(PlotError);
+
+/// A number, with an exponent where it would be long.
+fn shortly(x: f64) -> String {
+    let is_short = x == 0.0 || !x.is_finite() || (1e-4..1e6).contains(&x.abs());
+    if is_short { format!("{x}") } else { format!("{x:e}") }
+}

@@ -412,8 +412,12 @@ fn errors_name_the_chart_the_curve_and_the_point() {
     for (chart, words) in [
         (Chart::new("Energy"), "chart `Energy` has no point"),
         (Chart::new("Energy").line("", []), "chart `Energy` has no point"),
-        (line(vec![(0.0, 1.0), (1.0, f64::INFINITY)]), "curve 1 `second`: point 1 is (1, inf)"),
-        (line(vec![(0.0, 1.0), (1.0, -2e150)]), "curve 1 `second`: point 1 is (1, -2"),
+        (
+            line(vec![(0.0, 1.0), (1.0, f64::INFINITY)]),
+            "curve 1 `second`: point 1 is (1, inf), which is beyond 1e150; leave it out",
+        ),
+        (line(vec![(0.0, 1.0), (1.0, -2e150)]), "curve 1 `second`: point 1 is (1, -2e150), which"),
+        (line(vec![(0.0, f64::NAN)]), "point 0 is (0, NaN), which is not a number; leave it out"),
         (line(vec![(1.0, 1.0), (2.0, 0.0)]).log_log(), "curve 1 `second`: point 1 is (2e0, 0e0)"),
     ] {
         let message = chart.to_svg().unwrap_err().to_string();
