@@ -334,6 +334,10 @@ fn every_parameter_of_an_effect_counts() {
     let resting = |coefficient| Scene::on(Sphere { r: 1.0 }).with(DryFriction { coefficient });
     let rests = |mu| resting(mu).simulate(on_top(1.0), Rattle::new(0.01)).unwrap();
     refused(&rests(0.5), rests(0.6), "run (parameters of flow 0): it was written by DryFriction with 0.5");
+    let pair = |sigma| Scene::points(2).with(LennardJones { epsilon: 1.0, sigma }.within(2.0));
+    let out_of_reach = || State::of([[0.0; 3], [9.0, 0.0, 0.0]]);
+    let far = |sigma| pair(sigma).simulate(out_of_reach(), Rattle::new(0.01)).unwrap();
+    refused(&far(0.5), far(0.6), "run (effect 0): it was written by");
     let small = |r| Scene::on(Sphere { r }).simulate(on_top(r), Rattle::new(0.01)).unwrap();
     refused(&small(1e-9), small(2e-9), "run (constraints): it was written by one with constraints of");
 }

@@ -5,8 +5,8 @@
 //! or two, so that g is not zero there, and somewhat later, so that what changes with time counts at time 0 as well. So
 //! parameters, expressions, masses, pins and the order of effects all count where they show in such values. What such
 //! values need not show is compared by itself: parameters of methods, contacts and
-//! [flows](crate::effect::Flow::parameters). What is zero there and has no list of parameters does not count: a
-//! potential between bodies of which no two are within its reach, or one that acts elsewhere.
+//! [flows](crate::effect::Flow::parameters). Bodies on which an effect does not act there, as those out of each other's
+//! reach, are drawn together until it does. What is still zero then, as a field that is elsewhere, does not count.
 
 use crate::effect::list::Forces;
 use crate::effect::noise::Noise;
@@ -17,9 +17,13 @@ use crate::motion::record::{Hallmark, short_name};
 use crate::motion::system::System;
 use crate::number::real::Real;
 use std::any::type_name;
+use std::array::from_fn;
 
 /// It is looked beside a place by so much of a [size]; and after a time by so much of it, or of 1.
 pub(in crate::run) const BESIDE: f64 = 1e-3;
+
+/// Bodies on which an effect does not act are brought half as far from each other so many times.
+const HALVINGS: i32 = 20;
 
 /// The size of these numbers, which have a unit: the largest, rounded up to a power of two; 1 where all are zero.
 fn size<'a>(numbers: impl Iterator<Item = &'a f64>) -> f64 {
@@ -47,6 +51,14 @@ pub(in crate::run) fn beside<const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Bod
     bodies.iter().map(&mut moved).collect()
 }
 
+/// These bodies, with each at this part of its way from their middle.
+fn drawn_together<const D: usize>(bodies: &[Body<f64, D>], part: f64) -> Vec<Body<f64, D>> {
+    let n = bodies.len() as f64;
+    let middle: [f64; D] = from_fn(|i| bodies.iter().map(|body| body.q[i] / n).sum());
+    let closer = |q: &[f64; D]| from_fn(|i| middle[i] + part * (q[i] - middle[i]));
+    bodies.iter().map(|body| Body { q: closer(&body.q), ..*body }).collect()
+}
+
 /// The parts of a system, asked beside these bodies at this time.
 pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     system: &Y,
@@ -55,7 +67,8 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
 ) -> Vec<Hallmark> {
     let n = places.len();
     let later = time + BESIDE * time.abs().max(1.0);
-    let mut bodies = system.bodies(&beside(places), later);
+    let near = beside(places);
+    let mut bodies = system.bodies(&near, later);
     let equations = system.equations();
     let sizes = vec![n as f64, D as f64, equations as f64, Y::EFFECTS as f64, Y::FLOWS as f64];
     let mut marks = vec![Hallmark::new("system", system.kind(), sizes)];
@@ -74,6 +87,13 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     for number in 0..Y::EFFECTS {
         let mut forces = vec![[0.0; D]; n];
         let name = system.add_force_alone(number, &mut bodies, &mut forces);
+        for halvings in 1..=if n > 1 { HALVINGS } else { 0 } {
+            if forces.as_flattened().iter().any(|&force| force != 0.0) {
+                break;
+            }
+            let mut closer = system.bodies(&drawn_together(&near, 0.5_f64.powi(halvings)), later);
+            system.add_force_alone(number, &mut closer, &mut forces);
+        }
         marks.push(of_effect(number, name, forces.as_flattened().to_vec()));
     }
     marks.push(Hallmark::new("potential energy", "a function", vec![system.potential_energy(&bodies)]));
