@@ -1,10 +1,11 @@
 //! One motion, whichever way its multipliers are found: few equations at once, rods in a line by streams over memory,
-//! or as of any network.
+//! or as of any network; and wherever it is.
 
 use crate::common::linked::*;
 use crate::common::*;
 use rattle::bodies::Many;
-use rattle::links::planar::Pendulum;
+use rattle::links::Coincident;
+use rattle::links::planar::{Pendulum, Slider};
 use rattle::network::{LinearAlgebra, Network};
 use rattle::prelude::*;
 
@@ -119,4 +120,67 @@ fn few_equations_fail_and_go_on_as_others() {
     let mut rest = scene.simulate(first.state(), Rattle::new(1e-3)).unwrap();
     rest.run(35).unwrap();
     assert_eq!(bits(&whole.state()), bits(&rest.state()));
+}
+
+/// Where coordinates are zero, what is rounded is still as large as those of the bodies that are linked there: every
+/// method goes on, and to the same places as seen from there.
+#[test]
+fn what_is_at_the_origin_moves_as_elsewhere() {
+    macro_rules! alike {
+        ($name:literal, $scene:expr, $origins:expr, $($method:expr),*) => {$(
+            let (method, mut first) = ($method, None);
+            for origin in $origins {
+                let (scene, start) = $scene(origin);
+                let start = scene.staggered(&scene.project(&start).unwrap(), &method).unwrap();
+                let which = format!("{}, {}, h = {}, at {origin:?}", $name, method.name(), method.step_size());
+                let mut simulation = scene.simulate(start.clone(), method.clone()).unwrap();
+                simulation.run(60).unwrap_or_else(|error| panic!("{which}: {error}"));
+                let mut ensemble = scene.ensemble(vec![start; 17], method.clone()).unwrap();
+                ensemble.run(60);
+                assert!(ensemble.failure(0).is_none(), "{which}, in lanes: {}", ensemble.failure(0).unwrap());
+                let seen = |q: nalgebra::SVector<f64, _>| [q[0] - origin[0], q[1] - origin[1]];
+                let end: Vec<f64> = simulation.positions().flat_map(seen).collect();
+                let off = apart(&end, first.get_or_insert_with(|| end.clone()));
+                assert!(off < 1e-10, "{which}: {off:e}");
+            }
+        )*};
+    }
+    macro_rules! by_every_method {
+        ($name:literal, $scene:expr, $origins:expr) => {
+            for h in [0.02, 0.005] {
+                alike!(
+                    $name,
+                    $scene,
+                    $origins,
+                    Rattle::new(h),
+                    Rattle::new(h).solved_by(Broyden),
+                    Rattle::new(h).guess(Extrapolated),
+                    Shake::new(h),
+                    PositionVerlet::new(h),
+                    Composition::new(SUZUKI_1990_ORDER_4, h),
+                    Lobatto::<2>::new(h),
+                    Lobatto::<3>::new(h),
+                    Lobatto::<4>::new(h).guess(Extrapolated),
+                    Lobatto::<5>::new(h),
+                    Dop853::new(h),
+                    Taylor::new(12, h),
+                    Bdf2::new(h)
+                );
+            }
+        };
+    }
+    let slides = |at: [f64; 2]| {
+        let rail = Slider { point: at, direction: [1.0, 0.0] };
+        let scene = Scene::points(2).link(rail, [[0]]).link(Rod { length: 1.0 }, [[0, 1]]);
+        let start = State::of([at, [at[0] + 0.6, at[1] - 0.8]]);
+        (scene.with(PlanarGravity { g: 9.81 }), start)
+    };
+    by_every_method!("slider", slides, [[3.0, 1.0], [0.0, 0.0], [0.5, 0.0], [0.0, 1e-3]]);
+    let hangs = |at: [f64; 3]| {
+        let scene = Scene::points(3).pin(0, at).link(Coincident {}, [[0, 1]]);
+        let end = [at[0] + 0.6, at[1], at[2] + 0.8];
+        let scene = scene.link(Rod3 { length: 1.0 }, [[1, 2]]);
+        (scene.with(rattle::potentials::Gravity { g: 1.0 }), State::of([at, at, end]))
+    };
+    by_every_method!("pivot", hangs, [[3.0, 2.0, 1.0], [0.0; 3], [0.5, 0.0, 0.0], [0.0, 0.0, 1.0]]);
 }

@@ -47,6 +47,21 @@ pub enum LinkedFailure {
         /// The largest |gᵢ|/|∇gᵢ| before each correction.
         residuals: History,
     },
+    /// The stages of a collocation method rest, and an equation does not hold at the end of the step.
+    #[error(
+        "{equation} is off by {distance:.1e} at the end of a step h = {h:.3e}, {roundings:.1e} roundings, though its stages \
+         have converged; try a smaller step"
+    )]
+    LeftOff {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// |g|/|∇g|.
+        distance: f64,
+        /// The same in roundings of the coordinates that linked bodies have.
+        roundings: f64,
+        /// The step size.
+        h: f64,
+    },
     /// The multiplier of an equation acts on chosen coordinates only, on which the equation no longer depends.
     #[error(
         "the multiplier of {equation} can no longer hold it: the coordinates that it acts on have a share of {share:.1e} \

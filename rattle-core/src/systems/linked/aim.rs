@@ -225,11 +225,12 @@ impl<const D: usize> Room<D> {
         self.suspect[..equations].contains(&true)
     }
 
+    /// Sets the noise to the largest rounding of all: where bodies are linked, it reaches an equation whose own
+    /// coordinates are zero.
     fn measure_noise(&mut self, equations: usize) {
-        for row in 0..equations {
-            let rounding = self.rounding(row);
-            self.noise[row] = if rounding.is_finite() { rounding } else { 0.0 };
-        }
+        let roundings = (0..equations).map(|row| self.rounding(row));
+        let largest = roundings.filter(|rounding| rounding.is_finite()).fold(0.0, f64::max);
+        self.noise[..equations].fill(largest);
     }
 
     /// What is to be expected of x at the end of a part.

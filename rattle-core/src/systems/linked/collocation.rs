@@ -23,7 +23,7 @@ use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, largest, scaled, sum, two_sum};
 use crate::solve::stop::{LAST_OF_STAGES, NOISE};
-use crate::systems::linked::kept::{BodiesOf, Linked, along};
+use crate::systems::linked::kept::{BodiesOf, Furthest, Linked, along};
 use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
 
@@ -75,7 +75,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         for c in 0..shape.components.len() {
             let (q, time) = (bodies.q.as_ref(), bodies.time);
             let found = bodies.kept.tied.normals(shape, c, time, q);
-            self.check_residuals(c, h, S, bodies)?;
+            self.check_residuals(c, h, bodies)?;
             bodies.kept.tied.check_rank(shape, c, bodies.q.as_ref(), found)?;
         }
         self.evaluate_forces(bodies);
@@ -85,26 +85,20 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
 
     /// Whether the equations hold at the end of the step, whose gradients were just evaluated: what dependent equations
     /// ask for beyond what the normals of the start can give moves nothing, and is not seen by the iteration.
-    fn check_residuals(
-        &self,
-        c: usize,
-        h: f64,
-        stages: usize,
-        bodies: &BodiesOf<F, N, D>,
-    ) -> Result<(), Failure> {
+    fn check_residuals(&self, c: usize, h: f64, bodies: &BodiesOf<F, N, D>) -> Result<(), Failure> {
         let rows = &self.shape.components[c].rows;
-        let (off, left, row) = self.furthest(c, h, bodies);
-        if left <= 1024.0 * (rows.equations() as f64).sqrt() {
+        let Furthest { distance, of_all: roundings, row, .. } = self.furthest(c, h, bodies);
+        if roundings <= 1024.0 * (rows.equations() as f64).sqrt() {
             return Ok(());
         }
         let equation = self.shape.equation_at(c, row);
         let body = equation.bodies[0];
         let cause = if bodies.kept.tied.solvers[c].rank(rows) < rows.equations() {
-            LinkedFailure::Contradictory { equation, residuals: [off].into_iter().collect() }.into()
+            LinkedFailure::Contradictory { equation, residuals: [distance].into_iter().collect() }
         } else {
-            MethodFailure::StagesNotSolved { h, stages, iterations: MAX_ITERATIONS, left }.into()
+            LinkedFailure::LeftOff { equation, distance, roundings, h }
         };
-        Err(Failure { body, cause })
+        Err(Failure { body, cause: cause.into() })
     }
 
     /// Constant acceleration, that with g̈ = 0 at the start.

@@ -130,6 +130,18 @@ pub(crate) struct Room<const D: usize> {
     pub(super) wrong: Vec<bool>,
 }
 
+/// The largest residual of a component; NaN if one is.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Furthest {
+    /// As a length.
+    pub(crate) distance: f64,
+    /// In roundings of the coordinates that this equation depends on.
+    pub(crate) roundings: f64,
+    /// In those of all coordinates of the component: they reach an equation whose own coordinates are zero.
+    pub(crate) of_all: f64,
+    pub(crate) row: usize,
+}
+
 pub(crate) type BodiesOf<F, N, const D: usize> = Bodies<N, f64, Kept<F, D>, D>;
 
 impl<F, N, const D: usize> Linked<F, N, D> {
@@ -171,14 +183,14 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         }
     }
 
-    /// The largest residual of a component, just evaluated with its gradients: as a length, in roundings of the
-    /// coordinates it depends on or of their way in the time h, and its row. NaN if one is.
-    pub(crate) fn furthest(&self, c: usize, h: f64, bodies: &BodiesOf<F, N, D>) -> (f64, f64, usize) {
+    /// The largest residual of a component, just evaluated with its gradients. Sizes are those of the coordinates, or
+    /// of their way in the time h.
+    pub(crate) fn furthest(&self, c: usize, h: f64, bodies: &BodiesOf<F, N, D>) -> Furthest {
         let component = &self.shape.components[c];
         let (rows, (_, block)) = (&component.rows, component.first);
         let blocks = &bodies.kept.tied.blocks[block..block + rows.blocks()];
         let room = &bodies.kept.tied.room;
-        let mut furthest = (0.0, 0.0, 0);
+        let (mut furthest, mut size_of_all) = (Furthest::default(), 0.0_f64);
         for row in 0..rows.equations() {
             let terms = Terms::of(rows.touched_by(row).map(|(block, body)| {
                 let (q, v) = (&bodies.q.as_ref()[body], &room.velocity[body]);
@@ -187,10 +199,13 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             let (g, length) = (room.g[row].abs(), terms.length());
             let (distance, size) = (if g == 0.0 { 0.0 } else { g / length }, terms.size(length));
             let roundings = if g == 0.0 { 0.0 } else { g / (f64::EPSILON * size) };
-            if roundings > furthest.1 || roundings.is_nan() {
-                furthest = (distance, roundings, row);
+            size_of_all = size_of_all.max(size / length);
+            if roundings > furthest.roundings || roundings.is_nan() {
+                furthest = Furthest { distance, roundings, of_all: 0.0, row };
             }
         }
+        let off = furthest.distance;
+        furthest.of_all = if off == 0.0 { 0.0 } else { off / (f64::EPSILON * size_of_all) };
         furthest
     }
 

@@ -12,7 +12,7 @@ use crate::number::vector::{largest, sum, two_sum};
 use crate::solve::nearing::Nearing;
 use crate::solve::stop::NOISE;
 use crate::systems::linked::kept::Tied;
-use crate::systems::linked::kept::{BodiesOf, Kept, Linked, along};
+use crate::systems::linked::kept::{BodiesOf, Furthest, Kept, Linked, along};
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
     fn evaluate_rates<W: Witness<f64>>(
@@ -69,8 +69,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> f
                 let (q, time) = (bodies.q.as_ref(), bodies.time);
                 let found = bodies.kept.tied.normals(shape, c, time, q);
                 // In roundings of the places alone: a velocity that has run away must not make up for the distance.
-                let (distance, roundings, worst) = self.furthest(c, 0.0, bodies);
-                let (arrived, lost) = nearing.look(distance, roundings <= 1.0, roundings <= long);
+                let Furthest { distance, roundings, of_all, row: worst } = self.furthest(c, 0.0, bodies);
+                let (arrived, lost) = nearing.look(distance, roundings <= 1.0, of_all <= long);
                 if arrived {
                     bodies.kept.tied.check_rank(shape, c, bodies.q.as_ref(), found)?;
                     break;
