@@ -228,6 +228,21 @@ pub enum Error {
         error: Box<Error>,
     },
 
+    /// A run with which another was to be [compared](crate::run::simulation::Simulation::estimate_error), and which
+    /// failed.
+    #[error(
+        "the comparison with steps of {}{} failed: {error}", Short(*.h), price::with_tolerance(*.tolerance)
+    )]
+    Comparison {
+        /// The step size of the run that failed.
+        h: f64,
+        /// Its tolerance, if it has one.
+        tolerance: Option<f64>,
+        /// Why it failed.
+        #[source]
+        error: Box<Error>,
+    },
+
     /// A checkpoint from which the run cannot continue.
     #[error(transparent)]
     Record(RecordMistake),

@@ -1,6 +1,5 @@
 //! Errors of measuring the cost of accuracy.
 
-use crate::error::Error;
 use crate::error::numbers::Short;
 use std::fmt;
 
@@ -62,17 +61,6 @@ pub enum PriceMistake {
         /// The largest distance of a body from where it is.
         off: f64,
     },
-    /// A run that was to be compared with failed.
-    #[error("the comparison with steps of {}{} failed: {error}", Short(*.h), with_tolerance(*.tolerance))]
-    Comparison {
-        /// The step size of that run.
-        h: f64,
-        /// Its tolerance, if it has one.
-        tolerance: Option<f64>,
-        /// Why it failed.
-        #[source]
-        error: Box<Error>,
-    },
     /// No method reaches the wanted error.
     #[error("an error of {wish:.1e} {what} cannot be had: the best is {best:.1e}, by {method}; {limit}")]
     Unreachable {
@@ -90,7 +78,7 @@ pub enum PriceMistake {
 }
 
 /// A tolerance, as part of a sentence.
-fn with_tolerance(tolerance: Option<f64>) -> String {
+pub(super) fn with_tolerance(tolerance: Option<f64>) -> String {
     tolerance.map_or_else(String::new, |tolerance| format!(" and a tolerance of {}", Short(tolerance)))
 }
 

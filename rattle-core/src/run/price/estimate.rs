@@ -110,8 +110,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Price`] where no step was taken, steps or forces draw random numbers, `start` is not one of this
-    /// simulation, or the last comparison fails; [`Error::BodyCount`] for a start with another number of bodies.
+    /// [`Error::Price`] where no step was taken, steps or forces draw random numbers, or `start` is not one of this
+    /// simulation; [`Error::Comparison`] where the last comparison fails; [`Error::BodyCount`] for a start with another
+    /// number of bodies.
     #[doc(alias = "accuracy")]
     #[doc(alias = "convergence")]
     #[doc(alias = "Richardson extrapolation")]
@@ -219,7 +220,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         } else {
             self.other(start, method, steps)
         };
-        run.map_err(|error| Error::Price(PriceMistake::Comparison { h, tolerance, error: Box::new(error) }))
+        run.map_err(|error| Error::Comparison { h, tolerance, error: Box::new(error) })
     }
 
     /// Whether steps have their own lengths.
