@@ -45,6 +45,12 @@ constraint! {
 }
 
 constraint! {
+    /// To the right of a wall far to the left.
+    struct Far {}
+    |x| x + 1000
+}
+
+constraint! {
     /// To the right of a wall.
     struct Left {}
     |x| x
@@ -245,6 +251,9 @@ fn a_step_of_too_many_impacts_says_so() {
     let mut shorter = billiard(7.3 / 4096.0);
     shorter.run(4096).unwrap();
     assert_eq!(shorter.events(), 3141);
+    // A soft wall that is out of reach has no part in them.
+    let soft = billiard(7.3).collide(Stop::above(Far {}).restitution(0.5)).unwrap().step().unwrap_err();
+    assert!(matches!(soft, Error::Step { cause: StepFailure::TooManyImpacts { .. }, .. }), "{soft}");
     // What bounces lower and lower may come to rest within the step.
     let scene = Scene::point().with(Gravity { g: 1.0 });
     let ball = scene.simulate(State::at([0.0, 0.0, 0.5]), Rattle::new(100.0)).unwrap();

@@ -107,7 +107,7 @@ pub enum StepFailure {
         bodies: Vec<usize>,
         /// Impacts so far within the step.
         impacts: u64,
-        /// The restitution; where a step has as many impacts as it may have, the smallest of all contacts.
+        /// The restitution; where a step has as many impacts as it may have, the smallest of all of them.
         restitution: f64,
     },
     /// A step has more than 1000 impacts for each body, all of them elastic: nothing comes to rest.

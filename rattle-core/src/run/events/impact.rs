@@ -32,6 +32,8 @@ pub(super) fn impacts<Y: System<f64, D>, S: Method, const D: usize>(
                 impact(meetings, which, stretch)?;
                 number += 1;
                 meetings.impacts += 1;
+                let restitution = meetings.kinds[which.kind].restitution();
+                meetings.restitution = meetings.restitution.min(restitution);
             }
         }
         if number == so_far {

@@ -87,6 +87,8 @@ pub(in crate::run) struct Meetings<const D: usize> {
     way: f64,
     /// Impacts in the step.
     pub(super) impacts: u64,
+    /// The smallest restitution of those.
+    pub(super) restitution: f64,
 }
 
 impl<const D: usize> Meetings<D> {
@@ -100,12 +102,13 @@ impl<const D: usize> Meetings<D> {
             gradient: Vec::new(),
             way: 0.0,
             impacts: 0,
+            restitution: 1.0,
         }
     }
 
     /// Begins a step.
     pub(super) fn begin(&mut self) {
-        (self.way, self.impacts) = (0.0, 0);
+        (self.way, self.impacts, self.restitution) = (0.0, 0, 1.0);
     }
 
     /// Begins a stretch.
@@ -180,12 +183,12 @@ impl<const D: usize> Meetings<D> {
     }
 
     /// The failure of the contact that was looked at last, where there were as many impacts as a step may have: without
-    /// end only where one of the contacts takes energy away.
+    /// end only where one of them took energy away.
     #[cold]
     pub(super) fn too_many(&self, which: WhichContact) -> Failure {
         let (contact, bodies, impacts) = (self.kinds[which.kind].name(), self.touched(), self.impacts);
         let body = bodies.first().copied().unwrap_or(0);
-        let restitution = self.kinds.iter().map(|kind| kind.restitution()).fold(1.0, f64::min);
+        let restitution = self.restitution.min(self.kinds[which.kind].restitution());
         let cause = if restitution < 1.0 {
             StepFailure::Rests { contact, bodies, impacts, restitution }
         } else {
