@@ -357,3 +357,21 @@ fn a_rigid_body() {
     let p = simulation.momentum();
     assert!(distance([p[0], p[1], p[2]], row.numbers(["m1", "m2", "m3"])) <= 2e-13);
 }
+
+/// Where a step would be divided into too many, the inner step that is told is the one that is needed, not one that
+/// failed: it is too short for a millionth of the step.
+#[test]
+fn too_many_inner_steps_are_told_with_the_one_that_is_needed() {
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
+    let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+    for h in [1e5, 3e5] {
+        let error = scene.simulate(start.clone(), Dop853::adaptive(h, 1e-14)).unwrap().step().unwrap_err();
+        let Error::Step {
+            cause: StepFailure::Method(MethodFailure::TooManyInnerSteps { inner, .. }), ..
+        } = error
+        else {
+            panic!("{error}");
+        };
+        assert!(inner < 1e-6 * h && inner > 1e-8 * h, "h = {h:e}: {inner:e}");
+    }
+}

@@ -199,7 +199,7 @@ impl Dop853 {
     ) -> Result<f64, Failure> {
         if inner.abs() * fitting < SMALLEST_PART * self.h.abs() {
             let limits = [self.h, self.tolerance.unwrap_or(f64::NAN)];
-            let cause = MethodFailure::of_short_steps(inner, made, error, limits).into();
+            let cause = MethodFailure::of_short_steps([inner, inner * fitting], made, error, limits).into();
             return Err(Failure { body, cause });
         }
         Ok(inner * fitting.min(SAFETY))

@@ -195,7 +195,7 @@ impl Taylor {
             }
             if longest < SMALLEST_PART * self.h.abs() {
                 let inner = longest.copysign(self.h);
-                let cause = MethodFailure::of_short_steps(inner, made, error, [self.h, tolerance]);
+                let cause = MethodFailure::of_short_steps([inner; 2], made, error, [self.h, tolerance]);
                 return Err(Failure { body, cause: cause.into() });
             }
             let last = longest >= left.abs();

@@ -126,12 +126,18 @@ pub enum MethodFailure {
 }
 
 impl MethodFailure {
-    /// Of a step h with this tolerance, which would need an inner step that is too short: one with an error. Where the
-    /// step had not made longer ones before, at most `made`, its inner steps do not collapse: they are too many.
+    /// Of a step h with this tolerance, of which an inner step has an error, and the one that is needed is too short.
+    /// Where the step had not made longer ones before, at most `made`, its inner steps do not collapse: they are too
+    /// many.
     #[cold]
-    pub(crate) fn of_short_steps(inner: f64, made: f64, error: f64, [h, tolerance]: [f64; 2]) -> Self {
+    pub(crate) fn of_short_steps(
+        [inner, needed]: [f64; 2],
+        made: f64,
+        error: f64,
+        [h, tolerance]: [f64; 2],
+    ) -> Self {
         if made <= COLLAPSE * inner.abs() && !error.is_nan() {
-            Self::TooManyInnerSteps { inner, h, tolerance }
+            Self::TooManyInnerSteps { inner: needed, h, tolerance }
         } else {
             Self::StepsCollapse { inner, h, error, tolerance }
         }
