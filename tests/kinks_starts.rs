@@ -105,6 +105,15 @@ fn a_start_on_an_edge_is_on_the_face_of_its_momentum() {
     let scene = Scene::on(Roof { slope: 0.5 });
     let across = State::at([0.0; 3]).moving([-1.0, 0.2, 0.5]);
     assert_eq!(scene.project(&across).unwrap(), across);
+    for y in [0.3, 0.0, -2.0] {
+        let start = || State::at([0.0, y, 0.0]).moving([-1.0, 0.2, 0.5]);
+        let text = scene.simulate(start(), Rattle::new(0.01)).unwrap().step().unwrap_err().to_string();
+        assert!(text.contains("let `over_kinks`") && !text.contains("begin beside it"), "{text}");
+        let mut over = scene.simulate(start(), Rattle::new(0.01)).unwrap().over_kinks().unwrap();
+        over.run(10).unwrap();
+        assert!(distance(over.position(), [-0.1, y + 0.02, -0.05]) < 1e-14, "{}", over.position());
+        assert!(over.events() == 1 && over.energy_error().abs() < 1e-15);
+    }
     // To neither: that of the left face, to which less is normal.
     let near = scene.project(&State::at([0.0; 3]).moving([-1.0, 0.2, -0.4])).unwrap();
     let p = near.momenta().next().unwrap();

@@ -7,7 +7,7 @@
 //! point or an edge, where normals turn abruptly, the step may end anywhere, and is projected from there. Then the
 //! energy jumps, up or down.
 
-use crate::error::MethodFailure;
+use crate::error::{MethodFailure, StepFailure};
 use crate::motion::bodies::Saved;
 use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
@@ -77,7 +77,11 @@ pub(crate) fn kink_ahead<T: Scalar, Y: System<T, D>, const D: usize>(
     let straight = system.check_kinks(before, bodies).err();
     straight.or_else(|| {
         system.lean(before, bodies);
-        system.check_kinks(before, bodies).err()
+        let mut led = system.check_kinks(before, bodies).err()?;
+        if let StepFailure::Kink { along, .. } = &mut led.cause {
+            *along = true;
+        }
+        Some(led)
     })
 }
 

@@ -22,7 +22,10 @@ impl Failure {
     #[cold]
     pub(crate) fn of_kink(kink: Kink, body: usize, equation: Option<Box<EquationAt>>) -> Self {
         let Kink { argument, share, place: position, angle, gap, .. } = kink;
-        Self { body, cause: StepFailure::Kink { argument, equation, position, share, angle, gap } }
+        Self {
+            body,
+            cause: StepFailure::Kink { argument, equation, position, share, angle, gap, along: false },
+        }
     }
 
     /// Whether a kink on the way can be the reason: not where the reason is known.

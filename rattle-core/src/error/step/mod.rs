@@ -78,7 +78,7 @@ pub enum StepFailure {
     /// [`over_kinks`](crate::run::simulation::Simulation::over_kinks).
     #[error(
         "{} has a kink where `{argument}` changes its sign, after {share:.3} of the step at q = {position:?}: {}; a smooth form \
-         has none, such as sqrt(x^2 + eps^2) for abs(x), go around it, or {}", constraint(equation.as_deref()), jumps(*angle, *gap), instead(*share)
+         has none, such as sqrt(x^2 + eps^2) for abs(x), go around it, or {}", constraint(equation.as_deref()), jumps(*angle, *gap), instead(*share, *along)
     )]
     Kink {
         /// The term of the constraint's expression that changes its sign.
@@ -93,6 +93,8 @@ pub enum StepFailure {
         angle: f64,
         /// How far the surface jumps, to first order.
         gap: f64,
+        /// Whether the momentum does not lead over it, and what the constraint adds does.
+        along: bool,
     },
     /// A contact stays closed, or impacts that take energy away do not end within a step: bodies have come to rest on
     /// each other, or on a wall.
@@ -164,10 +166,10 @@ fn beside(off: f64) -> String {
     if off.is_nan() { "off".into() } else { format!("{off:.1e} beside") }
 }
 
-/// What can be done about a kink after this share of the step.
-fn instead(share: f64) -> &'static str {
-    if share < AT_ONCE {
-        "begin beside it, as the step begins on this edge; `over_kinks` takes a momentum over an edge, and none along it"
+/// What can be done about a kink after this share of the step, along which the momentum may lead.
+fn instead(share: f64, along: bool) -> &'static str {
+    if along && share < AT_ONCE {
+        "begin beside it, as the step begins along this edge; `over_kinks` takes a momentum over an edge, and none along it"
     } else {
         "let `over_kinks` take the momentum over the edge"
     }

@@ -76,9 +76,10 @@ pub(super) fn edge<Y: System<f64, D>, S: Method, const D: usize>(
         let q = stretch.aside[0].q.as_ref()[body];
         f64::EPSILON * (dot(&q, &q) / dot(&v, &v)).sqrt()
     });
-    let mut beyond = fastest.fold(2.0 * f64::EPSILON * high, |least, time| {
-        if time > 0.0 && time.is_finite() { least.max(time) } else { least }
-    });
+    // In the origin any will do.
+    let least = f64::max(2.0 * f64::EPSILON * high, f64::EPSILON * f64::EPSILON * length);
+    let mut beyond = fastest
+        .fold(least, |least, time| if time > 0.0 && time.is_finite() { least.max(time) } else { least });
     for _ in 0..DOUBLINGS {
         if let Some(failure) = ahead(stretch, beyond) {
             stretch.system.put_back(stretch.bodies, &stretch.aside[0]);
