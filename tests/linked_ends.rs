@@ -2,7 +2,8 @@
 
 use rand::{RngExt, SeedableRng, rngs::SmallRng};
 use rattle::error::{Error, LinkedFailure, StepFailure};
-use rattle::links::planar::Rod;
+use rattle::links::{Rod as Rod3, planar::Rod};
+use rattle::network::LinearAlgebra;
 use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
 
@@ -92,4 +93,41 @@ fn long_steps_do_not_make_rods_dependent() {
         }
     }
     assert!(failed > 50, "{failed}");
+}
+
+/// Masses of different size make the sines between normals small: where a step is too long for a net of them, that is
+/// told, and which one passes.
+#[test]
+fn unequal_masses_do_not_make_rods_dependent() {
+    const N: usize = 6;
+    let places: Vec<[f64; 3]> = (0..N * N)
+        .map(|k| {
+            let (x, y) = ((k % N) as f64, (k / N) as f64);
+            [x, y, 0.3 * (0.7 * x).sin() * (0.5 * y).cos()]
+        })
+        .collect();
+    let rows = (0..N * N).filter(|k| k % N + 1 < N).map(|k| [k, k + 1]);
+    let rods: Vec<[usize; 2]> = rows.chain((0..N * (N - 1)).map(|k| [k, k + N])).collect();
+    let length =
+        |[a, b]: [usize; 2]| (0..3).map(|d| (places[a][d] - places[b][d]).powi(2)).sum::<f64>().sqrt();
+    let masses: Vec<f64> = (0..N * N).map(|i| 10_f64.powi(i as i32 % 4)).collect();
+    for algebra in [LinearAlgebra::Automatic, LinearAlgebra::Orthogonal] {
+        let scene = Scene::points(N * N)
+            .link_each(rods.iter().map(|&rod| (Rod3 { length: length(rod) }, rod)))
+            .pin(0, places[0])
+            .pin(N - 1, places[N - 1])
+            .masses(masses.clone())
+            .linear_algebra(algebra)
+            .with(rattle::potentials::weights(1.0, masses.clone()));
+        let shaken = |k: usize| [0.0, 0.0, 0.2 * masses[k] * (7.0 * k as f64).sin()];
+        let start = State::of(places.clone()).with_momenta((0..N * N).map(shaken));
+        let start = scene.project(&start).unwrap();
+        let error = scene.simulate(start.clone(), Rattle::new(0.01)).unwrap().run(10).unwrap_err();
+        let Error::Step { cause: StepFailure::Linked(LinkedFailure::NotSolved { passing, .. }), .. } = &error
+        else {
+            panic!("{algebra:?}: {error}");
+        };
+        assert_eq!(passing.0, Some(0.005), "{algebra:?}: {error}");
+        scene.simulate(start, Rattle::new(0.005)).unwrap().run(20).unwrap();
+    }
 }

@@ -271,6 +271,8 @@ fn four_bars_at_the_flat_place() {
         // Newton's method knows the flat place itself to √ε only: it may be the next step that cannot be taken.
         assert!((steps as u64 - 1..=steps as u64).contains(&simulation.steps()), "{error}");
         says(&error, &["Rod", "depend on the others", "branches here"]);
+        let advised = error.to_string().contains("`LinearAlgebra::Orthogonal`");
+        assert_eq!(advised, algebra == Elimination, "what is at work is not advised: {error}");
         assert!(
             matches!(step_cause(error), StepFailure::Linked(LinkedFailure::RankLost { sine, .. }) if sine <= 1e-6)
         );

@@ -31,13 +31,17 @@ pub enum LinkedFailure {
     /// Normals that were independent at the start have become dependent.
     #[error(
         "{equation} has come to depend on the others: the sine of the angle between normals is {sine:.1e}; the \
-         mechanism branches here, or an equation is too many (`LinearAlgebra::Orthogonal` bears small angles, of up to 1000 equations)"
+         mechanism branches here, or an equation is too many{}{}", bears(*orthogonal), passes(*passing)
     )]
     RankLost {
         /// Which equation.
         equation: Box<EquationAt>,
         /// The sine of the angle of its normal to the span of the others.
         sine: f64,
+        /// A step size that works here, if one was found.
+        passing: Option<f64>,
+        /// Whether an orthonormal basis of the normals is at work, as by `LinearAlgebra::Orthogonal`.
+        orthogonal: bool,
     },
     /// Dependent equations that contradict each other now.
     #[error("{equation} contradicts the others: residuals as lengths {residuals} remain where they hold")]
@@ -73,4 +77,14 @@ pub enum LinkedFailure {
         /// The length of the gradient along these coordinates, relative to its whole length.
         share: f64,
     },
+}
+
+/// What bears smaller angles, where that is not at work.
+fn bears(orthogonal: bool) -> &'static str {
+    if orthogonal { "" } else { " (`LinearAlgebra::Orthogonal` bears small angles, of up to 1000 equations)" }
+}
+
+/// A step that works, if one is known.
+fn passes(passing: Option<f64>) -> String {
+    passing.map_or_else(String::new, |h| format!("; {}", Passing(Some(h))))
 }

@@ -16,6 +16,7 @@ use crate::systems::linked::flight::LOST;
 use crate::systems::linked::flight::Landing;
 use crate::systems::linked::flight::MUCH_SHORTER;
 use crate::systems::linked::flight::SHORT;
+use crate::systems::linked::flight::SOON;
 use crate::systems::linked::kept::BodiesOf;
 use crate::systems::linked::kept::Counts;
 use crate::systems::linked::kept::Linked;
@@ -56,7 +57,7 @@ impl<const D: usize> Flight<'_, D> {
             return because(StepFailure::ConstraintNotFinite { position: self.q[body].to_vec() });
         }
         let path = self.path(room);
-        let mut passing = None;
+        let (mut passing, mut sine_there) = (None, 0.0);
         let mut parts = (self.h, turn);
         for _ in 0..HALVINGS {
             parts = (0.5 * parts.0, 0.5 * parts.1);
@@ -68,19 +69,23 @@ impl<const D: usize> Flight<'_, D> {
             let shorter = Flight { h: parts.0, weights: [f64::NAN; 2], ..*self };
             if shorter.solve(solver, parts.1, room, &mut Counts::default()).converged {
                 passing = Some(parts.0);
+                sine_there = shorter.sine_at_end(solver, room);
                 break;
             }
         }
         let much_shorter = passing.is_none_or(|h: f64| h.abs() <= MUCH_SHORTER * self.h.abs());
         let independent = solver.rank(rows) == m;
         let (sine, weakest) = solver.normals(rows, blocks, &self.shape.roots);
-        // A solution is near, but within a few such steps normals may fall together: it may lie on another branch.
-        let ahead = direct.converged && turn < SHORT && sine < f64::min(4.0 * turn, CLEAR);
+        // A solution is near, but within a few such steps normals fall together: it may lie on another branch. Masses
+        // of different size make sines small too, which then do not fall.
+        let falls = passing.is_none_or(|h| sine <= SOON * self.h / h * (sine - sine_there));
+        let ahead = direct.converged && turn < SHORT && sine < f64::min(4.0 * turn, CLEAR) && falls;
         let here = much_shorter && sine < BRANCHING;
         if independent && !rows.acting && (ahead || here) {
             let equation = self.shape.equation_at(self.component, weakest);
-            let body = equation.bodies[0];
-            return Failure { body, cause: LinkedFailure::RankLost { equation, sine }.into() };
+            let (body, orthogonal) = (equation.bodies[0], solver.is_orthogonal());
+            let cause = LinkedFailure::RankLost { equation, sine, passing, orthogonal };
+            return Failure { body, cause: cause.into() };
         }
         let residuals = residuals.into_iter().collect();
         because(if landing.contradictory {
@@ -98,6 +103,18 @@ impl<const D: usize> Flight<'_, D> {
             }
             .into()
         })
+    }
+}
+
+impl<const D: usize> Flight<'_, D> {
+    /// The sine of the least independent normal where a solve has ended.
+    fn sine_at_end(&self, solver: &mut Solver<D>, room: &mut Room<D>) -> f64 {
+        let (rows, m, blocks) = (self.rows(), self.rows().equations(), self.rows().blocks());
+        self.place(solver, 1.0, room);
+        let (g, there) = (&mut room.g[..m], &mut room.blocks[..blocks]);
+        let rates = &mut room.rates[..m];
+        self.shape.gradients(self.component, self.time + self.h, &room.trial, g, there, rates);
+        solver.normals(rows, there, &self.shape.roots).0
     }
 }
 
@@ -129,7 +146,8 @@ impl<Fo, const D: usize> Tied<Fo, D> {
         } else if component.rows.acting {
             LinkedFailure::CannotAct { equation, share: acting_share(shape, c, row, blocks) }.into()
         } else {
-            LinkedFailure::RankLost { equation, sine }.into()
+            let orthogonal = self.solvers[c].is_orthogonal();
+            LinkedFailure::RankLost { equation, sine, passing: None, orthogonal }.into()
         };
         Err(Failure { body, cause })
     }

@@ -44,6 +44,8 @@ pub(crate) const SHORT: f64 = 0.2;
 pub(crate) const LOST: f64 = 1e-7;
 /// A normal with more than this sine to the others is clearly independent of them.
 pub(crate) const CLEAR: f64 = 0.1;
+/// A normal is lost ahead where its sine, by a straight line through a shorter step, is zero within so many steps.
+pub(crate) const SOON: f64 = 1.5;
 /// Where only a step shorter by `MUCH_SHORTER` would pass, a normal with this sine to the others is what stopped it:
 /// where a mechanism branches, places are known to √ε.
 pub(crate) const BRANCHING: f64 = 1e-6;

@@ -98,6 +98,11 @@ impl<const D: usize> Solver<D> {
         }
     }
 
+    /// Whether an orthonormal basis of the normals does the work, which bears small angles.
+    pub(crate) fn is_orthogonal(&self) -> bool {
+        matches!(self.by(), By::Basis(_))
+    }
+
     /// Elimination in full, if that is what does the work.
     #[inline(always)]
     pub(crate) fn dense(&mut self) -> Option<&mut Dense<D>> {
