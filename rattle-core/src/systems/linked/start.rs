@@ -6,7 +6,7 @@ use crate::motion::start::{DIRECTION, MAX_PROJECTION_STEPS, START_TOLERANCE};
 use crate::motion::start::{allowed, finite, has_square, length_of};
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, sum};
-use crate::solve::aim::{NOISY, rounding_of_g};
+use crate::solve::aim::{NOISY, ROUNDINGS, rounding_of_g};
 use crate::solve::nearing::Nearing;
 use crate::systems::linked::flight::LOST;
 use crate::systems::network::algebra::LinearAlgebra;
@@ -207,11 +207,18 @@ fn check_row<const D: usize>(
     }
     let distance = value.abs() / length;
     let tolerance = allowed([size, along], h.abs() * speed, singular);
-    if distance > tolerance && !start.is_rounding(shape, (c, row), state.time, [along, singular]) {
+    // What is rounded in the other bodies reaches an equation whose own are at rest at the origin.
+    let rounding = |of: &[[f64; D]]| {
+        ROUNDINGS * f64::EPSILON * rows.bodies.iter().map(|&body| largest(&of[body])).fold(0.0, f64::max)
+    };
+    if distance > tolerance
+        && distance > rounding(&start.q)
+        && !start.is_rounding(shape, (c, row), state.time, [along, singular])
+    {
         return Err(StartFailure::OffConstraint { equation: at(), distance, tolerance, value });
     }
     let scale = length * speed + start.rates[row].abs();
-    if tangent && rate.abs() > START_TOLERANCE * scale {
+    if tangent && rate.abs() > START_TOLERANCE * scale && rate.abs() > length * rounding(&start.v) {
         let (sine, tolerance) = (rate.abs() / scale, START_TOLERANCE);
         return Err(StartFailure::NotAlong { equation: at(), rate, sine, tolerance });
     }
