@@ -375,3 +375,24 @@ fn projections_from_flat_places_do_not_run_away() {
         scene.simulate(on, Rattle::new(1e-3)).unwrap();
     }
 }
+
+/// On the other side of an edge the gradient is as long: that it stays so is no sign that g does.
+#[test]
+fn projections_over_edges_end_on_the_surface() {
+    constraint! {
+        struct Octahedron {}
+        |x, y, z| abs(x) + abs(y) + abs(z) - 1
+    }
+    constraint! {
+        /// A slope of 10 below 0.4, and of 1 above.
+        struct Bent {}
+        |x, _y, z| z + 4.5 * ((z - 0.4) - abs(z - 0.4)) + 0 * x
+    }
+    for start in [[1.1, 0.02, 0.01], [3.0, 0.1, 0.1], [0.2, 0.3, 0.1], [-2.0, 1e-9, 0.5]] {
+        let scene = Scene::on(Octahedron {});
+        let on = scene.project(&State::at(start)).unwrap_or_else(|error| panic!("{start:?}: {error}"));
+        scene.simulate(on, Rattle::new(1e-6)).unwrap_or_else(|error| panic!("{start:?}: {error}"));
+    }
+    let on = Scene::on(Bent {}).project(&State::at([0.0, 0.0, 1.0])).unwrap();
+    assert!((on.positions().next().unwrap().z - 0.36).abs() < 1e-15);
+}

@@ -101,7 +101,7 @@ fn the_table_of_methods_and_systems() {
         ("`Rattle`, and compositions of it", row(&Composition::new(SUZUKI_1990_ORDER_4, h))),
         ("`Baoab`, `Brownian`", row(&Baoab::new(h))),
         ("`NoseHoover`", row(&NoseHoover::new(1.0, 0.5, h))),
-        ("`Baoab`, `Brownian`", row(&Brownian::new(1.0, 1.0, 1, h))),
+        ("`Baoab`, `Brownian`", row(&Brownian::new(1.0, 0.1, 1, h))),
         ("`Lobatto`", row(&Lobatto::<5>::new(h))),
         (
             "`Geodesic`, `PositionVerlet`, and compositions; `Shake`, `SymplecticEuler`",

@@ -201,7 +201,7 @@ impl Bdf2 {
                 bodies.p_low.as_mut()[body] = [T::from_f64(0.0); D];
             }
             system.settle(beta, 2.0 * beta, bodies, witness)?;
-            // Of linked bodies the one that hardly moves has roundings of the others' ways.
+            // Bodies may be linked: one that hardly moves has roundings of the others' ways.
             let way = increment.iter().map(|way| largest(way).to_f64()).fold(0.0, f64::max);
             let (mut worst, mut slowest) = (0.0, 0);
             for body in 0..q.len() {

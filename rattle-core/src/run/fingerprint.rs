@@ -9,6 +9,7 @@
 //! reach, are drawn together until it does. What is still zero then, as a field that is elsewhere, does not count.
 
 use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::motion::bodies::Body;
 use crate::motion::method::{Method, Stage};
@@ -22,13 +23,19 @@ use std::array::from_fn;
 /// It is looked beside a place by so much of a [size]; and after a time by so much of it, or of 1.
 pub(in crate::run) const BESIDE: f64 = 1e-3;
 
-/// Bodies on which an effect does not act are brought half as far from each other so many times.
+/// Pairs of bodies on which an effect does not act are brought half as far from each other so many times.
 const HALVINGS: i32 = 20;
 
 /// The size of these numbers, which have a unit: the largest, rounded up to a power of two; 1 where all are zero.
 fn size<'a>(numbers: impl Iterator<Item = &'a f64>) -> f64 {
     let most = numbers.fold(0.0_f64, |most, x| most.max(x.abs()));
-    if most == 0.0 { 1.0 } else { 2_f64.powi(most.log2().ceil() as i32) }
+    let power = f64::from_bits(most.to_bits() & f64::INFINITY.to_bits()); // without its digits
+    match power {
+        _ if most == 0.0 => 1.0,
+        0.0 => f64::MIN_POSITIVE,
+        _ if power == most || power > 1e300 => power,
+        _ => 2.0 * power,
+    }
 }
 
 /// Places and momenta beside these, each by a part of their own size.
@@ -51,12 +58,13 @@ pub(in crate::run) fn beside<const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Bod
     bodies.iter().map(&mut moved).collect()
 }
 
-/// These bodies, with each at this part of its way from their middle.
-fn drawn_together<const D: usize>(bodies: &[Body<f64, D>], part: f64) -> Vec<Body<f64, D>> {
-    let n = bodies.len() as f64;
-    let middle: [f64; D] = from_fn(|i| bodies.iter().map(|body| body.q[i] / n).sum());
-    let closer = |q: &[f64; D]| from_fn(|i| middle[i] + part * (q[i] - middle[i]));
-    bodies.iter().map(|body| Body { q: closer(&body.q), ..*body }).collect()
+/// The places of bodies, with the second one of each two at this part of its way from the first.
+fn drawn_together<const D: usize>(bodies: &[Body<f64, D>], part: f64) -> Vec<[f64; D]> {
+    let mut places: Vec<_> = bodies.iter().map(|body| body.q).collect();
+    for [first, second] in places.as_chunks_mut().0 {
+        *second = from_fn(|i| first[i] + part * (second[i] - first[i]));
+    }
+    places
 }
 
 /// The parts of a system, asked beside these bodies at this time.
@@ -87,12 +95,18 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     for number in 0..Y::EFFECTS {
         let mut forces = vec![[0.0; D]; n];
         let name = system.add_force_alone(number, &mut bodies, &mut forces);
-        for halvings in 1..=if n > 1 { HALVINGS } else { 0 } {
-            if forces.as_flattened().iter().any(|&force| force != 0.0) {
-                break;
+        // Flows have no name here, and parameters of their own.
+        let acts = |forces: &[[f64; D]]| forces.as_flattened().iter().any(|&force| force != 0.0);
+        if n > 1 && name.is_some() && !acts(&forces) {
+            let mut room = system.effects().room(n);
+            for halvings in 1..=HALVINGS {
+                let positions = &drawn_together(&near, 0.5_f64.powi(halvings))[..];
+                let at = Moment { time: later, positions };
+                system.effects().contribute_alone(number, at, &mut room, &mut forces);
+                if acts(&forces) {
+                    break;
+                }
             }
-            let mut closer = system.bodies(&drawn_together(&near, 0.5_f64.powi(halvings)), later);
-            system.add_force_alone(number, &mut closer, &mut forces);
         }
         marks.push(of_effect(number, name, forces.as_flattened().to_vec()));
     }

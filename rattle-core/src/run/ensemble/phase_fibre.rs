@@ -115,7 +115,7 @@ impl<const D: usize, const M: usize> Slide<D, M> {
             judge(moved, weights, size, most, sliding);
         }
         for l in 0..ROW {
-            let lost = sliding[l].lt(Fused(0.0));
+            let lost = sliding[l].lt(Fused(0.0)) & Fused(0.0).lt(going[l]);
             going[l] = Real::select(lost, Fused(BY_ITSELF), going[l]);
         }
     }

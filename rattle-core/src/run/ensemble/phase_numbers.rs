@@ -54,10 +54,10 @@ pub(super) fn solve<const M: usize>(mut a: [[Number; M]; M], mut b: [Number; M])
     b
 }
 
-/// The largest entry of N⁻¹N′ − 1, with equations in units of their diagonal entries; not a number where that has none.
+/// The largest entry of N⁻¹N′ − 1, as in a simulation; not a number where that has none.
 #[inline(always)]
 pub(super) fn turn<const M: usize>(before: [[Number; M]; M], after: &[[Number; M]; M]) -> Number {
-    let (mut largest, mut units) = (Fused(0.0), [Fused(1.0); M]);
+    let (mut largest, mut units) = ([Fused(0.0); 2], [Fused(1.0); M]);
     for i in 0..M {
         let diagonal = before[i][i].abs();
         units[i] = Real::select(Fused(0.0).lt(diagonal), diagonal.sqrt(), units[i]);
@@ -70,10 +70,11 @@ pub(super) fn turn<const M: usize>(before: [[Number; M]; M], after: &[[Number; M
         let column = solve(before, column);
         for i in 0..M {
             let one = Fused(f64::from(u8::from(i == j)));
-            largest = most(largest, (column[i] - one).abs() * (units[i] / units[j]));
+            let off = (column[i] - one).abs();
+            largest = [most(largest[0], off), most(largest[1], off * (units[i] / units[j]))];
         }
     }
-    largest
+    Real::select(largest[1].lt(largest[0]), largest[1], largest[0])
 }
 
 /// The most roundings that one of these values has; not a number where one has not.

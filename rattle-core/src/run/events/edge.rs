@@ -71,15 +71,15 @@ pub(super) fn edge<Y: System<f64, D>, S: Method, const D: usize>(
         }
     }
     stretch.halvings = halvings;
-    let fastest = (0..stretch.aside[0].q.as_ref().len()).map(|body| {
+    let times = (0..stretch.aside[0].q.as_ref().len()).map(|body| {
         let v = stretch.system.velocity(&stretch.aside[0], body);
         let q = stretch.aside[0].q.as_ref()[body];
         f64::EPSILON * (dot(&q, &q) / dot(&v, &v)).sqrt()
     });
-    // In the origin any will do.
+    // Of the fastest body; in the origin any will do.
     let least = f64::max(2.0 * f64::EPSILON * high, f64::EPSILON * f64::EPSILON * length);
-    let mut beyond = fastest
-        .fold(least, |least, time| if time > 0.0 && time.is_finite() { least.max(time) } else { least });
+    let fastest = times.filter(|&time| time > 0.0).fold(f64::INFINITY, f64::min);
+    let mut beyond = if fastest.is_finite() { least.max(fastest) } else { least };
     for _ in 0..DOUBLINGS {
         if let Some(failure) = ahead(stretch, beyond) {
             stretch.system.put_back(stretch.bodies, &stretch.aside[0]);

@@ -49,6 +49,9 @@ const LONGER: f64 = 3.0;
 const FEW: u64 = 8;
 /// The same steps from the same start lead to the same place, up to so many roundings.
 const SAME: f64 = 1e6;
+/// Two runs of more than a few steps agree better with each other than with a third if that is so many times as far
+/// away: of chaotic motion all three are as far apart as it is large.
+const CLEARLY: f64 = 2.0;
 
 /// An estimated error, and the cost of the estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,9 +93,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// [halve steps](Self::retry) as this one. Where motion is chaotic and the error has grown to the size of the
     /// motion, the estimate has that size.
     ///
-    /// A start is not that of this simulation if its time is not so many steps ago; or if the other runs agree better
-    /// with each other than with this one, and the same steps from this start do not lead here. Another start that is
-    /// off by less than the errors are is not seen.
+    /// A start is not that of this simulation if its time is not so many steps ago; or if the other runs agree clearly
+    /// better with each other than with this one, and the same steps from this start do not lead here. Another start
+    /// that is off by less than the errors are is not seen.
     ///
     /// The start of a staggered method is one for its step size, as
     /// [`Scene::staggered`](crate::scene::Scene::staggered) makes it; those of the other runs are made from it.
@@ -146,7 +149,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(Estimate { seconds: clock.now() - begun, ..estimate })
     }
 
-    /// The error by runs with longer steps; with one of them if they agree better with each other than with this one.
+    /// The error by runs with longer steps; with one of them if they agree clearly better with each other than with
+    /// this one.
     fn by_longer(&self, start: &State<D>, steps: u64) -> Result<(Estimate, Option<Self>), Error> {
         let ((twice, r), (fourfold, s)) = (self.longer(start, steps, 2)?, self.longer(start, steps, 4)?);
         let (first, second) = (self.apart(&twice), twice.apart(&fourfold));
@@ -157,7 +161,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let position = (first / gain).max(self.rounding());
         let steps = twice.steps + fourfold.steps;
         let estimate = Estimate { position, energy: energy / gain, order, steps, seconds: 0.0 };
-        Ok((estimate, (second < first).then_some(twice)))
+        Ok((estimate, (CLEARLY * second < first).then_some(twice)))
     }
 
     /// The error by a run of this method with steps half as long; with that run if the error is beyond the tolerance.
@@ -177,11 +181,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok((estimate, (!is_fine).then_some(other)))
     }
 
-    /// Refuses a start from which the same steps lead nearer to the end of this other run than to here.
+    /// Refuses a start from which the same steps lead clearly nearer to the end of this other run than to here.
     fn expect_from(&self, start: &State<D>, steps: u64, other: &Self) -> Result<(), Error> {
         let again = self.other(start, self.method.clone(), steps)?;
-        let off = self.apart(&again);
-        if off > again.apart(other) && off > SAME * self.rounding() {
+        let (off, clearly) = (self.apart(&again), if steps < FEW { 1.0 } else { CLEARLY });
+        if off > clearly * again.apart(other) && off > SAME * self.rounding() {
             return Err(Error::Price(PriceMistake::OtherMotion { off }));
         }
         Ok(())
@@ -194,11 +198,13 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// How many steps were taken since this state.
     fn steps_since(&self, start: &State<D>) -> Result<u64, Error> {
-        let steps = self.first.step.wrapping_add(self.steps).wrapping_sub(start.steps());
+        let steps = self.first.step.wrapping_add(self.steps).checked_sub(start.steps());
+        let (late, steps) = (steps.is_none(), steps.unwrap_or(0));
         let (h, now) = (self.step_size(), self.time());
         let (way, end) = (steps as f64 * h, start.time() + steps as f64 * h);
         let same = (end - now).abs() <= 1e-9 * way.abs() + 4.0 * f64::EPSILON * now.abs();
-        if !self.is_variable() && !same {
+        let ahead = steps > 0 && (now - start.time()) / h <= 0.0;
+        if late || if self.is_variable() { ahead } else { !same } {
             return Err(Error::Price(PriceMistake::OtherStart { start: start.time(), steps, end, now }));
         }
         positive("number of steps taken", steps as f64).map(|_| steps)

@@ -74,8 +74,8 @@ impl<const D: usize> Flight<'_, D> {
             }
         }
         let much_shorter = passing.is_none_or(|h: f64| h.abs() <= MUCH_SHORTER * self.h.abs());
-        let independent = solver.rank(rows) == m;
         let (sine, weakest) = solver.normals(rows, blocks, &self.shape.roots);
+        let independent = solver.rank(rows) == m;
         // A solution is near, but within a few such steps normals fall together: it may lie on another branch. Masses
         // of different size make sines small too, which then do not fall.
         let falls = passing.is_none_or(|h| sine <= SOON * self.h / h * (sine - sine_there));

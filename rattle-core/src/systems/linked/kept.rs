@@ -130,16 +130,16 @@ pub(crate) struct Room<const D: usize> {
     pub(super) wrong: Vec<bool>,
 }
 
-/// The largest residual of a component; NaN if one is.
+/// The largest residuals of a component; NaN if one is.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Furthest {
-    /// As a length.
+    /// As a length, and of which row.
     pub(crate) distance: f64,
-    /// In roundings of the coordinates that this equation depends on.
-    pub(crate) roundings: f64,
-    /// In those of all coordinates of the component: they reach an equation whose own coordinates are zero.
-    pub(crate) of_all: f64,
     pub(crate) row: usize,
+    /// That in roundings of all coordinates of the component: they reach an equation whose own coordinates are zero.
+    pub(crate) of_all: f64,
+    /// The largest in roundings of the coordinates that an equation depends on, which may be another's.
+    pub(crate) roundings: f64,
 }
 
 pub(crate) type BodiesOf<F, N, const D: usize> = Bodies<N, f64, Kept<F, D>, D>;
@@ -201,7 +201,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             let roundings = if g == 0.0 { 0.0 } else { g / (f64::EPSILON * size) };
             size_of_all = size_of_all.max(size / length);
             if roundings > furthest.roundings || roundings.is_nan() {
-                furthest = Furthest { distance, roundings, of_all: 0.0, row };
+                furthest.roundings = roundings;
+            }
+            if distance > furthest.distance || distance.is_nan() {
+                (furthest.distance, furthest.row) = (distance, row);
             }
         }
         let off = furthest.distance;

@@ -46,6 +46,17 @@ impl<const D: usize> Start<D> {
         }
     }
 
+    /// Some roundings of places or velocities along all normals of a component: they reach an equation whose own bodies
+    /// are at rest at the origin.
+    fn rounding_of_all(&self, shape: &Shape<D>, c: usize, of: &[[f64; D]]) -> f64 {
+        let rows = &shape.components[c].rows;
+        let sizes = (0..rows.equations()).map(|row| {
+            let length = self.length(shape, c, row);
+            rows.terms(row, &self.blocks, of).size(length) / length
+        });
+        ROUNDINGS * f64::EPSILON * sizes.fold(0.0, f64::max)
+    }
+
     fn evaluate(&mut self, shape: &Shape<D>, c: usize, time: f64) {
         let rows = &shape.components[c].rows;
         let (g, blocks) = (&mut self.g[..rows.equations()], &mut self.blocks[..rows.blocks()]);
@@ -207,18 +218,15 @@ fn check_row<const D: usize>(
     }
     let distance = value.abs() / length;
     let tolerance = allowed([size, along], h.abs() * speed, singular);
-    // What is rounded in the other bodies reaches an equation whose own are at rest at the origin.
-    let rounding = |of: &[[f64; D]]| {
-        ROUNDINGS * f64::EPSILON * rows.bodies.iter().map(|&body| largest(&of[body])).fold(0.0, f64::max)
-    };
     if distance > tolerance
-        && distance > rounding(&start.q)
+        && distance > start.rounding_of_all(shape, c, &start.q)
         && !start.is_rounding(shape, (c, row), state.time, [along, singular])
     {
         return Err(StartFailure::OffConstraint { equation: at(), distance, tolerance, value });
     }
     let scale = length * speed + start.rates[row].abs();
-    if tangent && rate.abs() > START_TOLERANCE * scale && rate.abs() > length * rounding(&start.v) {
+    let off = |start: &Start<D>| rate.abs() > length * start.rounding_of_all(shape, c, &start.v);
+    if tangent && rate.abs() > START_TOLERANCE * scale && off(start) {
         let (sine, tolerance) = (rate.abs() / scale, START_TOLERANCE);
         return Err(StartFailure::NotAlong { equation: at(), rate, sine, tolerance });
     }

@@ -6,7 +6,7 @@
 //!
 //! The fibres of a general constraint have no formula, so the flow is computed to rounding by the Gauss method of five
 //! stages, order 10. The method is symmetric and conserves quadratic g; its steps are so short that the error is below
-//! 1e-16 of the motion. For g(q) the flow is the kick p + Gᵀσ.
+//! 1e-16 of the motion, where 256 of them suffice for that. For g(q) the flow is the kick p + Gᵀσ.
 
 use crate::kernel::functions::PhaseConstraintKernel;
 use crate::systems::phase::point::Point;

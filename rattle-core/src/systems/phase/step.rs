@@ -323,15 +323,17 @@ pub(super) fn move_by<N: Count, X, const D: usize>(
     (*p, *p_low) = two_sum(p, &sum(p_low, &change.p));
 }
 
-/// The largest entry of N⁻¹N′ − 1, with equations in units of their diagonal entries.
+/// The largest entry of N⁻¹N′ − 1; with equations in their own units or in those of their diagonal entries, whichever
+/// is less: these may be far apart, and a diagonal entry may pass zero.
 pub(super) fn turn<const M: usize>(before: &[[f64; M]; M], after: &[[f64; M]; M]) -> f64 {
     let units: [f64; M] = from_fn(|i| if before[i][i] == 0.0 { 1.0 } else { before[i][i].abs().sqrt() });
-    let mut largest = 0.0_f64;
+    let mut largest = [0.0_f64; 2];
     for j in 0..M {
         let Some(column) = solve(*before, from_fn(|i| after[i][j])) else { return f64::INFINITY };
         for (i, x) in column.into_iter().enumerate() {
-            largest = largest.max((x - f64::from(u8::from(i == j))).abs() * (units[i] / units[j]));
+            let off = (x - f64::from(u8::from(i == j))).abs();
+            largest = [largest[0].max(off), largest[1].max(off * (units[i] / units[j]))];
         }
     }
-    largest
+    largest[0].min(largest[1])
 }

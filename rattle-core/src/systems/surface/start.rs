@@ -167,17 +167,18 @@ fn face_beyond<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     (stays(&place) && stays(&add_scaled(&place, time, &along))).then_some((place, found))
 }
 
-/// From where a surface is nearly flat Newton's step leads far beyond it: it is halved so often at most.
+/// From where a surface is nearly flat Newton's step leads far beyond it. A step after which g would be so many times
+/// as large is halved, so often at most, until g is no larger.
+const RUNS_AWAY: f64 = 1e3;
 const MAX_HALVINGS: i32 = 200;
 
-/// Newton's iteration q ← q − ∇g g/|∇g|², to the rounding floor, and the normal there. A step after which g would be
-/// larger is halved.
+/// Newton's iteration q ← q − ∇g g/|∇g|², to the rounding floor, and the normal there.
 fn nearest<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     constraint: &K,
     mut q: [f64; D],
 ) -> Result<([f64; D], Normal<f64, D>), StartFailure> {
     let mut distances: Vec<f64> = Vec::new();
-    let (mut nearing, mut last_square) = (Nearing::leaving(f64::INFINITY), 0.0);
+    let (mut nearing, mut last) = (Nearing::leaving(f64::INFINITY), [0.0; D]);
     for _ in 0..MAX_PROJECTION_STEPS {
         let ([value], [gradient]) = constraint.value_and_jacobian(&q);
         if !(value.is_finite() && gradient.iter().all(|n| n.is_finite())) {
@@ -193,17 +194,21 @@ fn nearest<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         let square = dot(&gradient, &gradient);
         let distance = value.abs() / square.sqrt();
         // Where ∇g stays, distances that do not shrink are the rounding of g, however large.
-        let near = (square - last_square).abs() <= straight::<f64>() * square;
-        last_square = square;
+        let turned = length_of(&add_scaled(&gradient, -1.0, &last));
+        let near = turned <= straight::<f64>() * length;
+        last = gradient;
         if nearing.look(distance, distance <= f64::EPSILON * size_along(&gradient, length, &q), near).0 {
             return Ok((q, Normal::new(gradient)));
         }
         distances.push(distance);
-        let after = |share: f64| add_scaled(&q, -share * value / square, &gradient);
-        let falls = |to: &[f64; D]| constraint.value(to)[0].abs() <= value.abs(); // false for NaN
-        let parts = (0..=MAX_HALVINGS).map(|halvings| after(0.5_f64.powi(halvings)));
-        let fitting = if near { None } else { parts.into_iter().find(falls) };
-        q = fitting.unwrap_or_else(|| after(1.0));
+        let from = q;
+        let after = |share: f64| add_scaled(&from, -share * value / square, &gradient);
+        let stays = |to: &[f64; D], most: f64| constraint.value(to)[0].abs() <= most * value.abs(); // not if NaN
+        q = after(1.0);
+        if !stays(&q, RUNS_AWAY) {
+            let mut parts = (1..=MAX_HALVINGS).map(|halvings| after(0.5_f64.powi(halvings)));
+            q = parts.find(|to| stays(to, 1.0)).unwrap_or(q);
+        }
     }
     Err(StartFailure::NoProjection { distances: distances.into_iter().collect::<History>() })
 }
