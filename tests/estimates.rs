@@ -219,6 +219,24 @@ fn starts_of_another_motion_are_refused() {
     }
 }
 
+/// A state with more steps behind it than the run is no start of it, also where steps have lengths of their own.
+#[test]
+fn later_states_are_no_starts() {
+    fn refused<M: Method>(method: M) {
+        let scene = Scene::on(Torus { major: 1.0, minor: 0.3 }).with(Gravity { g: 1.0 });
+        let start = State::at([1.3, 0.0, 0.0]).moving([0.0, 1.0, 0.3]);
+        let run = |steps: u64| {
+            let mut run = scene.simulate(start.clone(), method.clone()).unwrap();
+            run.run(steps).unwrap();
+            run
+        };
+        let told = run(50).estimate_error(&run(100).state());
+        assert!(matches!(told, Err(Error::Price(PriceMistake::OtherStart { .. }))), "{told:?}");
+    }
+    refused(Rattle::new(0.01));
+    refused(Variable::of(Rattle::new(0.01), 0.5));
+}
+
 /// A step of twice 0.55 leaves the sphere of radius 1: then steps half as long are compared.
 #[test]
 fn runs_that_cannot_be_compared_are_told() {

@@ -114,6 +114,19 @@ fn a_start_on_an_edge_is_on_the_face_of_its_momentum() {
         assert!(distance(over.position(), [-0.1, y + 0.02, -0.05]) < 1e-14, "{}", over.position());
         assert!(over.events() == 1 && over.energy_error().abs() < 1e-15);
     }
+    // Who creeps does not decide how far another goes beyond the edge.
+    let two = Scene::on(Roof { slope: 0.5 }).bodies(2);
+    let start = State::of([[0.053, 0.0, -0.0265], [1.0, 0.0, -0.5]]);
+    let fast = [-1.0, 0.2, 0.5];
+    let start = start.with_momenta([fast, fast.map(|p| 1e-16 * p)]);
+    let alone = Scene::on(Roof { slope: 0.5 });
+    let of_one = State::at([0.053, 0.0, -0.0265]).moving(fast);
+    let mut one = alone.simulate(of_one, Rattle::new(0.01)).unwrap().over_kinks().unwrap();
+    let mut both = two.simulate(start, Rattle::new(0.01)).unwrap().over_kinks().unwrap();
+    one.run(10).unwrap();
+    both.run(10).unwrap();
+    let off = (both.positions().next().unwrap() - one.position()).norm();
+    assert!(off < 1e-14 && both.events() == 1 && both.energy_error().abs() < 1e-14, "{off:e}");
     // To neither: that of the left face, to which less is normal.
     let near = scene.project(&State::at([0.0; 3]).moving([-1.0, 0.2, -0.4])).unwrap();
     let p = near.momenta().next().unwrap();
