@@ -27,11 +27,10 @@ pub struct Geodesic<const D: usize> {
 /// It is found by [shooting](crate::kernel::geodesic) from the chord: some hundred evaluations of ∇g and ∇²g. Where
 /// that fails, or leads farther than 1.1 chords, ways through a graph of some hundred points of the surface are drawn
 /// tight, and shot along too: some hundred thousand evaluations, or 10 to 50 ms. Nothing proves that there is no
-/// shorter one; where two ways are nearly as long, the other one may be found. Near a point
-/// conjugate to a, where many geodesics meet, as in the antipode of a sphere, the distance
-/// is as exact as elsewhere; a rounding of b turns the direction by more, the nearer it is. What is narrower than the
-/// points of the graph, such as the rim of a plate, can be missed: an error then. The distance from b to a is the same
-/// number.
+/// shorter one; where two ways are nearly as long, the other one may be found. Near a point conjugate to a, where many
+/// geodesics meet, as in the antipode of a sphere, the distance is as exact as elsewhere; a rounding of b turns the
+/// direction by more, the nearer it is. What is narrower than the points of the graph, such as the rim of a plate, can
+/// be missed: an error then. The distance from b to a is the same number.
 ///
 /// ```
 /// use rattle::curvature::geodesic_distance;

@@ -9,8 +9,10 @@
 //! a single particle: use [`Langevin`](crate::effect::Langevin) there. A total momentum that forces conserve, or a
 //! total angular momentum, is multiplied as all momenta are: from zero it stays zero, and its share of N kT/2 goes into
 //! the other momenta. [`Scene::maxwell`](crate::scene::Scene::maxwell) begins with the right share; at rest nothing
-//! begins to move. The chain of three moves by a symmetric
-//! splitting with the fourth-order weights of M. Suzuki and H. Yoshida, so bodies and chain together are reversible.
+//! begins to move.
+//!
+//! The chain of three moves by a symmetric splitting with the fourth-order weights of M. Suzuki and H. Yoshida, so
+//! bodies and chain together are reversible.
 //!
 //! Source: G. Martyna, M. Tuckerman, D. Tobias, M. Klein, Mol. Phys. 87 (1996) 1117.
 

@@ -12,7 +12,7 @@ use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::largest;
 use crate::number::vectors::at;
-use crate::run::ensemble::phase_row::{Each, Laws, Points, ROW, Vector, ZEROS};
+use crate::run::ensemble::phase_row::{Each, Laws, Number, Points, ROW, Vector, ZEROS};
 use crate::systems::phase::fibre::{A, B, CONTRACTION, DECAY, DETAILS, LEFT, ROUNDING, SHRINKS, STAGES};
 
 /// A lane goes on, rests, or goes by itself.
@@ -274,7 +274,22 @@ fn decide(
     any
 }
 
-/// The largest coordinates and momenta of a sum over the stages, up to this one.
+/// One coordinate and momentum of Σ wᵢ Kᵢ in a lane.
+#[inline(always)]
+fn combined<const D: usize>(
+    (d, l): (usize, usize),
+    speeds: &[Points<D>; STAGES],
+    weights: &[f64; STAGES],
+) -> [Number; 2] {
+    let [mut q, mut p] = [Fused(0.0); 2];
+    for j in 0..STAGES {
+        q = Fused(weights[j]).multiply_add(speeds[j].q[d][l], q);
+        p = Fused(weights[j]).multiply_add(speeds[j].p[d][l], p);
+    }
+    [q, p]
+}
+
+/// The largest coordinate and momentum of that, up to this one.
 #[inline(always)]
 fn grow<const D: usize>(
     d: usize,
@@ -283,11 +298,7 @@ fn grow<const D: usize>(
     [most_q, most_p]: &mut [Each; 2],
 ) {
     for l in 0..ROW {
-        let (mut q, mut p) = (Fused(0.0), Fused(0.0));
-        for j in 0..STAGES {
-            q = Fused(weights[j]).multiply_add(speeds[j].q[d][l], q);
-            p = Fused(weights[j]).multiply_add(speeds[j].p[d][l], p);
-        }
+        let [q, p] = combined((d, l), speeds, weights);
         (most_q[l], most_p[l]) = (most_q[l].max(q.abs()), most_p[l].max(p.abs()));
     }
 }
@@ -305,11 +316,7 @@ fn judge(found: &[Each; 2], weights: &[Each; 2], size: &Each, most: f64, sliding
 #[inline(always)]
 fn gather<const D: usize>(d: usize, speeds: &[Points<D>; STAGES], change: &mut Points<D>) {
     for l in 0..ROW {
-        let (mut q, mut p) = (Fused(0.0), Fused(0.0));
-        for j in 0..STAGES {
-            q = Fused(B[j]).multiply_add(speeds[j].q[d][l], q);
-            p = Fused(B[j]).multiply_add(speeds[j].p[d][l], p);
-        }
+        let [q, p] = combined((d, l), speeds, &B);
         (change.q[d][l], change.p[d][l]) = (q, p);
     }
 }

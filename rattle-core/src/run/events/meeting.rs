@@ -171,40 +171,47 @@ impl<const D: usize> Meetings<D> {
         self.gradient.iter().map(|(body, _)| *body).collect()
     }
 
+    /// A failure of the contact that was looked at last, by its name and bodies.
+    fn told(
+        &self,
+        which: WhichContact,
+        cause: impl FnOnce(&'static str, Vec<usize>) -> StepFailure,
+    ) -> Failure {
+        let bodies = self.touched();
+        Failure {
+            body: bodies.first().copied().unwrap_or(0),
+            cause: cause(self.kinds[which.kind].name(), bodies),
+        }
+    }
+
     /// The failure of a contact at which there is no end of impacts.
     #[cold]
     pub(super) fn rests(&mut self, which: WhichContact, q: &[[f64; D]]) -> Failure {
         self.gradient.clear();
         self.kinds[which.kind].gap(which.number, q, &mut self.gradient);
-        let (contact, bodies) = (self.kinds[which.kind].name(), self.touched());
-        let (body, restitution) =
-            (bodies.first().copied().unwrap_or(0), self.kinds[which.kind].restitution());
-        Failure { body, cause: StepFailure::Rests { contact, bodies, impacts: self.impacts, restitution } }
+        let (impacts, restitution) = (self.impacts, self.kinds[which.kind].restitution());
+        self.told(which, |contact, bodies| StepFailure::Rests { contact, bodies, impacts, restitution })
     }
 
     /// The failure of the contact that was looked at last, where there were as many impacts as a step may have: without
     /// end only where one of them took energy away.
     #[cold]
     pub(super) fn too_many(&self, which: WhichContact) -> Failure {
-        let (contact, bodies, impacts) = (self.kinds[which.kind].name(), self.touched(), self.impacts);
-        let body = bodies.first().copied().unwrap_or(0);
+        let impacts = self.impacts;
         let restitution = self.restitution.min(self.kinds[which.kind].restitution());
-        let cause = if restitution < 1.0 {
-            StepFailure::Rests { contact, bodies, impacts, restitution }
-        } else {
-            StepFailure::TooManyImpacts { contact, bodies, impacts }
-        };
-        Failure { body, cause }
+        self.told(which, |contact, bodies| {
+            if restitution < 1.0 {
+                StepFailure::Rests { contact, bodies, impacts, restitution }
+            } else {
+                StepFailure::TooManyImpacts { contact, bodies, impacts }
+            }
+        })
     }
 
     /// The failure of the contact that was looked at last, of whose bodies constraints let none part.
     #[cold]
     pub(super) fn gives_no_way(&self, which: WhichContact) -> Failure {
-        let (contact, bodies) = (self.kinds[which.kind].name(), self.touched());
-        Failure {
-            body: bodies.first().copied().unwrap_or(0),
-            cause: StepFailure::NoWayApart { contact, bodies },
-        }
+        self.told(which, |contact, bodies| StepFailure::NoWayApart { contact, bodies })
     }
 
     /// The contact that seems to close first in a stretch of this length, at the end of which bodies are.

@@ -203,8 +203,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let (h, now) = (self.step_size(), self.time());
         let (way, end) = (steps as f64 * h, start.time() + steps as f64 * h);
         let same = (end - now).abs() <= 1e-9 * way.abs() + 4.0 * f64::EPSILON * now.abs();
-        let ahead = steps > 0 && (now - start.time()) / h <= 0.0;
-        if late || if self.is_variable() { ahead } else { !same } {
+        let behind = steps == 0 || (now - start.time()) / h > 0.0;
+        let fits = if self.is_variable() { behind } else { same };
+        if late || !fits {
             return Err(Error::Price(PriceMistake::OtherStart { start: start.time(), steps, end, now }));
         }
         positive("number of steps taken", steps as f64).map(|_| steps)

@@ -46,14 +46,17 @@ impl<const D: usize> Start<D> {
         }
     }
 
+    /// The size of places or velocities along the normal of an equation.
+    fn along(&self, shape: &Shape<D>, (c, row): (usize, usize), of: &[[f64; D]]) -> f64 {
+        let length = self.length(shape, c, row);
+        shape.components[c].rows.terms(row, &self.blocks, of).size(length) / length
+    }
+
     /// Some roundings of places or velocities along all normals of a component: they reach an equation whose own bodies
     /// are at rest at the origin.
     fn rounding_of_all(&self, shape: &Shape<D>, c: usize, of: &[[f64; D]]) -> f64 {
         let rows = &shape.components[c].rows;
-        let sizes = (0..rows.equations()).map(|row| {
-            let length = self.length(shape, c, row);
-            rows.terms(row, &self.blocks, of).size(length) / length
-        });
+        let sizes = (0..rows.equations()).map(|row| self.along(shape, (c, row), of));
         ROUNDINGS * f64::EPSILON * sizes.fold(0.0, f64::max)
     }
 
@@ -168,7 +171,7 @@ fn check_row<const D: usize>(
     let rows = &shape.components[c].rows;
     let (value, length) = (start.g[row], start.length(shape, c, row));
     let (mut size, mut speed, mut rate) = (0.0_f64, 0.0, start.rates[row]);
-    let along = rows.terms(row, &start.blocks, &start.q).size(length) / length;
+    let along = start.along(shape, (c, row), &start.q);
     for (block, body) in rows.touched_by(row) {
         size = size.max(largest(&start.q[body]));
         speed += dot(&start.v[body], &start.v[body]);
