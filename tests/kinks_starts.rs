@@ -132,3 +132,39 @@ fn a_start_on_an_edge_is_on_the_face_of_its_momentum() {
     let p = near.momenta().next().unwrap();
     assert!((p.z - 0.5 * p.x).abs() < 1e-15 && distance(p, [-1.0, 0.2, -0.4]) < 0.1, "{p}");
 }
+
+/// A place exactly on an edge belongs to one side, wherever it lies in a step: half way, at an end, or within a
+/// rounding of one.
+#[test]
+fn an_edge_that_is_met_exactly() {
+    let scene = Scene::on(Roof { slope: 0.5 });
+    let h = 1.0 / 128.0;
+    for way in [-1.0_f64, 1.0] {
+        for part in [0.5, 0.25, 0.375, 1.0, 1.0 - 1.0 / 1024.0, 0.3] {
+            let start = || {
+                let x = -way * part * h;
+                State::at([x, 0.0, -0.5 * x.abs()]).moving([way, 0.25, 0.5])
+            };
+            let told = scene.simulate(start(), Rattle::new(h)).unwrap().run(2).unwrap_err();
+            let (step, argument, share, angle) = kink(told);
+            let there = if way > 0.0 || part < 1.0 { (1, part) } else { (2, 0.0) };
+            assert!(
+                step == there.0 && argument == "x" && (share - there.1).abs() < 1e-5,
+                "{part} {step} {share}"
+            );
+            assert!((angle - 2.0 * 0.5_f64.atan().to_degrees()).abs() < 1e-3);
+            let mut over = scene.simulate(start(), Rattle::new(h)).unwrap().over_kinks().unwrap();
+            over.run(4).unwrap();
+            let x = way * (4.0 - part) * h;
+            assert!(distance(over.position(), [x, h, -0.5 * x.abs()]) < 1e-15, "{part} {}", over.position());
+            assert!(over.events() == 1 && over.energy_error().abs() < 1e-15);
+        }
+    }
+    // The fifth step ends before the edge by less than a rounding of its length.
+    let start = State::at([0.05, 0.0, -0.025]).moving([-1.0, 0.2, 0.5]);
+    let mut over = scene.simulate(start, Rattle::new(0.01)).unwrap().over_kinks().unwrap();
+    over.run(5).unwrap();
+    assert!(over.position().x > 0.0 && over.events() == 0);
+    over.run(5).unwrap();
+    assert!(distance(over.position(), [-0.05, 0.02, -0.025]) < 1e-15 && over.events() == 1);
+}

@@ -204,7 +204,8 @@ impl<K, const D: usize, const H: usize> Way<'_, K, D, H> {
         })
     }
 
-    /// Before and after where this argument changes its sign.
+    /// Before and after where this argument changes its sign. A place where it is zero is on either side, so behind it
+    /// a place is taken that is not.
     fn change_of<T: Scalar, const M: usize>(&self, number: usize) -> Option<[f64; 2]>
     where
         K: Kinked<T, D, H, M>,
@@ -218,7 +219,9 @@ impl<K, const D: usize, const H: usize> Way<'_, K, D, H> {
             let middle = 0.5 * (a + b);
             *(if self.sign::<T, M>(number, middle) == before { &mut a } else { &mut b }) = middle;
         }
-        Some([a, b])
+        let behind = (b + (b - a)).min(1.0);
+        let on_it = self.sign::<T, M>(number, b) == 0 && self.sign::<T, M>(number, behind) != before;
+        Some([a, if on_it { behind } else { b }])
     }
 
     /// The kink where this argument changes its sign, if a normal jumps there.
