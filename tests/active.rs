@@ -253,3 +253,26 @@ fn what_makes_no_sense_is_refused() {
     let told = slowed.simulate(start(), Brownian::new(1.0, 1.0, 1, 0.1)).unwrap_err().to_string();
     assert!(told.contains("Rattle") && !told.contains("Brownian,"), "{told}");
 }
+
+/// Headings are a part of the state: they go on with another step size, and by another method; so does the bath of
+/// Nosé and Hoover with another step size.
+#[test]
+fn headings_and_baths_go_on_with_other_steps() {
+    let scene = Scene::on(Sphere { r: 1.0 }).with(SelfPropulsion::new(1.0, 0.0, 3));
+    let mut run = scene.simulate(State::at([1.0, 0.0, 0.0]), Brownian::new(1.0, 0.0, 1, 0.01)).unwrap();
+    run.run(100).unwrap();
+    let same = scene.simulate(run.state(), Brownian::new(1.0, 0.0, 1, 0.005)).unwrap();
+    let other = scene.simulate(run.state(), Rattle::new(0.01)).unwrap();
+    assert_eq!((same.marks(), other.marks()), (run.marks(), run.marks()));
+
+    let scene = Scene::on(Sphere { r: 1.0 }).bodies(3).with(Gravity { g: 1.0 });
+    let start = State::of([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    let start = start.with_momenta([[0.0, 0.5, 0.0], [0.0, 0.0, 0.5], [0.5, 0.0, 0.0]]);
+    let method = |h| NoseHoover::new(1.0, 0.5, h);
+    let mut run = scene.simulate(start, method(0.01)).unwrap();
+    run.run(100).unwrap();
+    let finer = scene.simulate(run.state(), method(0.005)).unwrap();
+    assert_eq!(finer.memory(), run.memory());
+    let hotter = scene.simulate(run.state(), NoseHoover::new(2.0, 0.5, 0.01)).unwrap();
+    assert!(hotter.memory().iter().all(|&x| x == 0.0));
+}

@@ -39,6 +39,11 @@ fn nobody_is_moved_by_every_method() {
     let (scene, nobody) = (Scene::on(Sphere { r: 1.0 }).bodies(0), State::of(Vec::<[f64; 3]>::new()));
     scene.simulate(nobody.clone(), Rattle::new(0.1)).unwrap().run(3).unwrap();
     scene.simulate(nobody, Taylor::adaptive(8, 0.1, 1e-9)).unwrap().run(3).unwrap();
+    let (scene, nobody) = (Scene::rigid(Rigid::new([1.0; 3])).bodies(0), State::of(Vec::<[f64; 9]>::new()));
+    scene.simulate(nobody.clone(), Rattle::new(0.1)).unwrap().run(3).unwrap();
+    scene.simulate(nobody.clone(), Dop853::adaptive(0.1, 1e-9)).unwrap().run(3).unwrap();
+    scene.simulate(nobody.clone(), Taylor::new(8, 0.1)).unwrap().run(3).unwrap();
+    scene.simulate(nobody, Taylor::adaptive(8, 0.1, 1e-9)).unwrap().run(3).unwrap();
 }
 
 #[test]

@@ -220,6 +220,37 @@ fn sliding_on_a_slope() {
     }
 }
 
+force! {
+    /// A magnetic field along −y.
+    struct Lorentz { b }
+    |_q: [f64; 3], v: [f64; 3]| [-b * v[2], 0 * v[1], b * v[0]]
+}
+
+/// Friction feels others as they are in the middle of its flow, by their momenta as by their velocities: v′ = −μ(g +
+/// bv) on a floor in a magnetic field; and on a slope, where drag differs by direction.
+#[test]
+fn friction_feels_others_to_second_order() {
+    let floor = Scene::on(Plane { a: 0.0, b: 0.0, c: 1.0, d: 0.0 }).with(Gravity { g: 2.0 });
+    let (rough, start) = (DryFriction { coefficient: 0.3 }, State::at([0.0; 3]).moving([1.0, 0.0, 0.0]));
+    let exact = 5.0 * (-0.15_f64).exp() - 4.0;
+    let errors = |scene: &dyn Fn(f64) -> f64| [0.05, 0.025, 0.0125].map(|h| (scene(h) - exact).abs());
+    let speed = |mut simulation: BoxedSimulation<3>, h: f64| {
+        simulation.run((1.0 / h).round() as u64).unwrap();
+        simulation.momenta().next().unwrap().x
+    };
+    let field = floor.clone().with(MagneticField::new([0.0, -0.5, 0.0])).with(rough);
+    let force = floor.clone().with(Lorentz { b: -0.5 }).with(rough);
+    let by_field = errors(&|h| speed(field.simulate(start.clone(), Rattle::new(h)).unwrap().boxed(), h));
+    let by_force = errors(&|h| speed(force.simulate(start.clone(), Rattle::new(h)).unwrap().boxed(), h));
+    assert!(order(&by_field) > 1.9 && order(&by_force) > 1.9, "{by_field:?} {by_force:?}");
+    assert!(by_field[0] < 1e-5, "{by_field:?}");
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let slope = Scene::on(Plane { a: half, b: 0.0, c: half, d: 0.0 }).with(Gravity { g: 2.0 });
+    let slope = slope.with(LinearDrag::along([1.5, 0.0, 0.0])).with(rough);
+    let [places, _] = orders(&slope, &State::at([0.0; 3]).moving([half, 0.0, -half]), 0.05, 1.0);
+    assert!(places > 1.9, "{places}");
+}
+
 /// Sticking weighs what all forces give, and N is of all of them: potentials, `force!` and self-propulsion, however
 /// they are named. At 98 % of μN nothing moves to the last bit; at twice μN a body is faster by h (f − μN) in each
 /// step.

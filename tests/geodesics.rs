@@ -400,3 +400,51 @@ constraint! {
     struct Two {}
     |x, y, z| (abs(x) - 2)^2 + y^2 + z^2 - 1
 }
+
+/// Length of the way between two points of the equator of a spheroid, by their angle, that leads over one of its
+/// sides: by Clairaut's integrals, which trapezoids give to rounding.
+fn over_the_side(c: f64, angle: f64) -> f64 {
+    let integrals = |top: f64| {
+        let number = 4000;
+        let (mut turned, mut length) = (0.0, 0.0);
+        for i in 0..number {
+            let w = (f64::from(i) + 0.5) * std::f64::consts::PI / f64::from(number);
+            let sine = top.sin() * w.sin();
+            let square = 1.0 - sine * sine;
+            let speed = (sine * sine + c * c * square).sqrt();
+            turned += top.cos() / square * speed;
+            length += speed;
+        }
+        [turned, length].map(|sum| sum * std::f64::consts::PI / f64::from(number))
+    };
+    // The higher it leads, the farther it turns about the axis: from πc to π, over the pole.
+    let (mut low, mut high) = (1e-9, std::f64::consts::FRAC_PI_2 - 1e-3);
+    for _ in 0..100 {
+        let top = 0.5 * (low + high);
+        *(if integrals(top)[0] < angle { &mut low } else { &mut high }) = top;
+    }
+    integrals(low)[1]
+}
+
+/// Beyond a conjugate point the way that the chord leads to is not the shortest, however little longer than the chord
+/// it is.
+#[test]
+fn beyond_a_conjugate_point_ways_lead_aside() {
+    let on_equator = |angle: f64| Vector3::new(angle.cos(), angle.sin(), 0.0);
+    for (c, angles) in
+        [(0.03, vec![0.8, 1.49]), (0.1, vec![0.4, 1.0, 1.3, 1.49, 1.51]), (0.3, vec![1.0, 1.49])]
+    {
+        let plate = Ellipsoid { a: 1.0, b: 1.0, c };
+        for angle in angles {
+            let found = geodesic_distance(&plate, &on_equator(0.0), &on_equator(angle)).unwrap().distance;
+            let right = over_the_side(c, angle);
+            println!("{c} {angle}: {found} {right}");
+            assert!((found - right).abs() < 1e-9, "c = {c}, {angle}: {found} for {right}");
+            assert!(right < angle);
+        }
+        // Before it the equator is the shortest.
+        let near = 0.9 * std::f64::consts::PI * c;
+        let found = geodesic_distance(&plate, &on_equator(0.0), &on_equator(near)).unwrap().distance;
+        assert!((found - near).abs() < 1e-13, "{found} {near}");
+    }
+}

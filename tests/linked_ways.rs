@@ -188,3 +188,71 @@ fn what_is_at_the_origin_moves_as_elsewhere() {
     };
     by_every_method!("pivot", hangs, [[3.0, 2.0, 1.0], [0.0; 3], [0.5, 0.0, 0.0], [0.0, 0.0, 1.0]]);
 }
+
+/// A body on a rod by a method that looks for other sheets: that it hangs from above the origin, and not there, takes
+/// no further look, and so no room.
+#[test]
+fn a_pin_is_where_it_is_when_other_sheets_are_looked_for() {
+    fn by<S: Method>(method: S) {
+        for pin in [[0.0, 0.0], [0.0, 5.0], [-3.0, 4.0], [100.0, -1.0]] {
+            let scene = Scene::points(2).link(Rod { length: 1.0 }, [[0, 1]]).pin(0, pin);
+            let bob = [pin[0] + 0.1, pin[1] - 0.99_f64.sqrt()];
+            let start = scene.project(&State::of([pin, bob])).unwrap();
+            let scene = scene.with(PlanarGravity { g: 1.0 }.over([[0], [1]]));
+            let mut simulation = scene.simulate(start, method.clone()).unwrap();
+            let allocated = allocation_counter::measure(|| simulation.run(200).unwrap());
+            assert_eq!(allocated.count_total, 0, "{} at {pin:?}", method.name());
+        }
+    }
+    by(Lobatto::<3>::new(0.02));
+    by(Dop853::new(0.02));
+    by(Taylor::new(10, 0.02));
+}
+
+/// A start may be off its pin by rounding, and more: the body is where the pin is, alone and in lanes.
+#[test]
+fn a_pinned_body_is_at_its_pin() {
+    let scene = Scene::points(2).link(Rod { length: 1.0 }, [[0, 1]]).pin(0, [0.3, 0.0]);
+    let scene = scene.with(PlanarGravity { g: 1.0 }.over([[0], [1]]));
+    let start = || State::of([[0.3 + 5e-12, 0.0], [1.3, 0.0]]);
+    let mut simulation = scene.simulate(start(), Rattle::new(0.01)).unwrap();
+    let mut exact = scene.simulate(State::of([[0.3, 0.0], [1.3, 0.0]]), Rattle::new(0.01)).unwrap();
+    let mut lanes = scene.ensemble((0..8).map(|_| start()), Rattle::new(0.01)).unwrap();
+    let mut later = scene.simulate(start(), Rattle::new(0.01)).unwrap();
+    simulation.run(50).unwrap();
+    later.resume(&simulation.checkpoint()).unwrap();
+    later.run(50).unwrap();
+    simulation.run(50).unwrap();
+    exact.run(100).unwrap();
+    lanes.run(100);
+    assert_eq!(bits(&simulation.state()), bits(&exact.state()));
+    assert_eq!(bits(&simulation.state()), bits(&later.state()));
+    assert!(simulation.constraint_residual() < 1e-15 && lanes.plan().in_lanes == 8);
+    assert!(apart(&phase(&lanes.state(3)), &phase(&exact.state())) < 1e-13);
+}
+
+/// What a run by another linear algebra wrote is refused, and by the same goes on bit for bit.
+#[test]
+fn the_linear_algebra_of_a_checkpoint_is_that_of_its_start() {
+    // A parallelogram, which is folded flat at 0, and a tail.
+    let rods = [[0, 2], [2, 3], [3, 1], [2, 4], [4, 5], [5, 6], [6, 7]];
+    let scene = Scene::points(8).link(Rod { length: 1.0 }, rods).pin(0, [0.0; 2]).pin(1, [1.0, 0.0]);
+    let at = |angle: f64| {
+        let (x, y) = (angle.cos(), angle.sin());
+        let tail = (1..5).map(|i| [x, y - f64::from(i)]);
+        let places = [[0.0; 2], [1.0, 0.0], [x, y], [x + 1.0, y]].into_iter().chain(tail);
+        scene.simulate(State::of(places), Rattle::new(0.01)).unwrap()
+    };
+    let by = |angle: f64| at(angle).system().components().next().unwrap().by;
+    assert_eq!((by(1e-4), by(1.0)), (LinearAlgebra::Orthogonal, LinearAlgebra::Elimination));
+    for angle in [1e-4, 1.0] {
+        let (mut first, mut same, mut other) = (at(angle), at(angle), at(1.0 + 1e-4 - angle));
+        first.run(5).unwrap();
+        same.resume(&first.checkpoint()).unwrap();
+        let error = other.resume(&first.checkpoint()).unwrap_err().to_string();
+        assert!(error.contains("linear algebra") && other.steps() == 0, "{error}");
+        first.run(5).unwrap();
+        same.run(5).unwrap();
+        assert_eq!(bits(&same.state()), bits(&first.state()));
+    }
+}

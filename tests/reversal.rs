@@ -159,6 +159,36 @@ fn steps_in_parts_are_taken_back_in_parts() {
     assert!(matches!(error, Err(Error::NotReversed { .. })));
 }
 
+constraint! {
+    /// Above a floor that is far away.
+    struct Far {}
+    |_x, _y, z| z + 10
+}
+
+/// Where contacts are looked for, steps that fail, or do not lead back, are taken in the same parts as without.
+#[test]
+fn steps_in_parts_look_for_contacts() {
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
+    let mut divided = 0;
+    for i in 0..60 {
+        let start = State::at([0.0, 0.0, 1.0]).moving([0.1 + 0.005 * f64::from(i), 0.03, 0.0]);
+        let begin = || scene.simulate(start.clone(), Rattle::new(0.7)).unwrap().retry(5);
+        let floor = || rattle::effect::Stop::above(Far {});
+        let (mut free, mut stopped) = (begin(), begin().collide(floor()).unwrap());
+        let mut checked = begin().check_reversal(1e-12).unwrap();
+        let mut both = begin().check_reversal(1e-12).unwrap().collide(floor()).unwrap();
+        for _ in 0..60 {
+            let mut whole = scene.simulate(checked.state(), Rattle::new(0.7)).unwrap();
+            let went = whole.step();
+            [&mut free, &mut stopped, &mut checked, &mut both].map(|run| run.step().unwrap());
+            assert_eq!(bits(&stopped.state()), bits(&free.state()));
+            assert_eq!(bits(&both.state()), bits(&checked.state()));
+            divided += u32::from(went.is_ok() && whole.position() != checked.position());
+        }
+    }
+    assert!(divided > 3, "{divided} that could be taken as a whole, and do not lead back");
+}
+
 /// How much a small change of the state at the turning point has grown at most on the way back: what the roundings of
 /// the way may have grown by.
 fn growth<S: Method>(at_turn: &State<3>, method: &S, n: u64) -> f64 {

@@ -326,3 +326,20 @@ fn collocation_on_links_that_move() {
         assert!(off < 20.0 * h.powi(4), "h = {h}: {off:e} at t = {t}");
     }
 }
+
+/// Its base keeps no memory, so a guess that needs one has no effect.
+#[test]
+fn guesses_of_the_base_have_no_effect() {
+    fn end<S: Method>(base: S) -> String {
+        let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+        let mut simulation = scene.simulate(billiard_45(), Variable::of(base, 0.3)).unwrap();
+        simulation.run(20).unwrap();
+        let all = bits(&simulation.state());
+        all[..all.find("time").unwrap()].to_owned()
+    }
+    let plain = end(Rattle::new(0.01));
+    assert_eq!(end(Rattle::new(0.01).guess(LastMultiplier)), plain);
+    assert_eq!(end(Rattle::new(0.01).guess(Extrapolated)), plain);
+    let plain = end(Composition::of(SUZUKI_1990_ORDER_4, Rattle::new(0.01)));
+    assert_eq!(end(Composition::of(SUZUKI_1990_ORDER_4, Rattle::new(0.01).guess(LastMultiplier))), plain);
+}

@@ -8,6 +8,19 @@ use rattle::effect::{Acting, Effect, Moment};
 use rattle::lanes::Lane;
 use rattle::prelude::*;
 use rattle::real::Real;
+use rattle::watch::{Observer, Sight};
+
+constraint! {
+    /// Above a floor in the south of a sphere.
+    struct South {}
+    |_x, _y, z| z + 0.3
+}
+
+constraint! {
+    /// Eight faces of the slope 1.
+    struct Octahedron {}
+    |x, y, z| abs(x) + abs(y) + abs(z) - 1
+}
 
 fn scene() -> Scene<Lemniscate, impl rattle::effect::Effects<3> + use<>, rattle::bodies::One, 3> {
     Scene::on(SURFACE).with(Gravity { g: 1.0 })
@@ -317,4 +330,61 @@ fn energies_are_those_of_the_time_of_the_sight() {
     let mut ensemble = scene.ensemble([billiard(0.3), billiard(0.4)], Rattle::new(0.01)).unwrap();
     let found = ensemble.observe(100, 10, || Check(0));
     assert_eq!((check.0, found.0), (10, 20));
+}
+
+/// λ and μ in the order in which they are told.
+#[derive(Debug, Default, Clone, PartialEq)]
+struct Told(Vec<(bool, f64)>);
+
+impl<const D: usize> Observer<D> for Told {
+    fn see(&mut self, _: &Sight<'_, D>, _: &Sight<'_, D>) {}
+    fn join(&mut self, _: Self) {}
+    fn position_multiplier(&mut self, _: usize, lambda: f64) {
+        self.0.push((true, lambda));
+    }
+    fn momentum_multiplier(&mut self, _: usize, mu: f64) {
+        self.0.push((false, mu));
+    }
+}
+
+/// Of iterations, of tries that fail, and of those in search of an instant, no multiplier is told.
+#[test]
+fn multipliers_are_those_of_what_is_taken() {
+    let sphere = Scene::on(Sphere { r: 1.0 });
+    let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
+    let mut told = Told::default();
+    sphere.simulate(start.clone(), Bdf2::new(0.01)).unwrap().observe(50, 1, &mut told).unwrap();
+    assert_eq!(told.0.len(), 100, "one λ and one μ a step");
+    // |v|²/|∇g|² for both.
+    assert!(told.0[2..].iter().all(|(_, multiplier)| (multiplier + 0.5).abs() < 1e-3), "{:?}", &told.0[..6]);
+
+    // A step that fails as a whole, and is taken in parts: what is told is as of a run with such steps.
+    let falling = sphere.with(Gravity { g: 1.0 });
+    let top = State::at([0.0, 0.0, 1.0]).moving([0.2, 0.0, 0.0]);
+    let mut whole = falling.simulate(top.clone(), Rattle::new(0.7)).unwrap();
+    whole.run(1000).unwrap_err();
+    let before = whole.steps();
+    let mut retried = falling.simulate(top, Rattle::new(0.7)).unwrap().retry(4);
+    retried.run(before).unwrap();
+    let (at, mut told) = (retried.state(), Told::default());
+    retried.observe(1, 1, &mut told).unwrap();
+    let parts = told.0.len() / 2;
+    let mut same = Told::default();
+    let mut divided = falling.simulate(at, Rattle::new(0.7 / parts as f64)).unwrap();
+    divided.observe(parts as u64, 1, &mut same).unwrap();
+    assert!(parts > 1 && told == same, "{told:?} {same:?}");
+
+    // With impacts and edges: as many stretches as there are events, and one more.
+    let floor = rattle::effect::Stop::above(South {});
+    let mut ball = sphere.simulate(start, Rattle::new(0.01)).unwrap().collide(floor).unwrap();
+    let mut told = Told::default();
+    ball.observe(1000, 1, &mut told).unwrap();
+    assert!(ball.events() > 1 && told.0.len() as u64 == 2 * (1000 + ball.events()), "{}", told.0.len());
+    assert!(told.0.iter().all(|(_, multiplier)| (multiplier + 0.5).abs() < 1e-3));
+    let octahedron = Scene::on(Octahedron {});
+    let start = State::at([0.5, 0.3, 0.2]).moving([-1.0, 0.4, 0.6]);
+    let mut over = octahedron.simulate(start, Rattle::new(0.01)).unwrap().over_kinks().unwrap();
+    let mut told = Told::default();
+    over.observe(400, 1, &mut told).unwrap();
+    assert!(over.events() > 2 && (802..=2 * (400 + over.events() as usize)).contains(&told.0.len()));
 }

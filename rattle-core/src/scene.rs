@@ -322,7 +322,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.fits(state)?;
         let mut state = state.clone();
         let forces = self.forces(&state.bodies, state.time);
-        let moving = |(i, _): &(usize, _)| !self.constraint.pinned(*i);
+        let moving = |(i, _): &(usize, _)| self.constraint.pin(*i).is_none();
         for (_, (body, force)) in state.bodies.iter_mut().zip(forces).enumerate().filter(moving) {
             let pull = self.constraint.pull(&body.q, &force.components());
             let change = add_scaled(&body.p_low, method.momentum_delay(), &pull);

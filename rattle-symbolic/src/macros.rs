@@ -84,11 +84,13 @@ impl Macro {
                 let sizes = self.sizes(item, components);
                 let (rest, time) = (sizes.coordinates(), sizes.time);
                 if rest != components && rest != 2 * components {
+                    let unused = item.variables.iter().any(|variable| variable.name == format!("_{TIME}"));
                     let message = format!(
                         "the force has {components} component{}, and so as many coordinates, as many velocities if it depends on \
-                         them, and the time `t` if it does; found {rest} variables{}",
+                         them, and the time `t` if it does; found {rest} variables{}{}",
                         if components == 1 { "" } else { "s" },
                         if time { " and the time" } else { "" },
+                        if unused { ": leave `_t` out" } else { "" },
                     );
                     problems.note_at(&item.name, message);
                 }

@@ -41,6 +41,10 @@ constraint! {
     pub struct Rounded {}
     |x, y| ceil(x) + y % 2
 }
+force! {
+    pub struct Still { c }
+    |q: [f64; 1], v: [f64; 1], _t| [-c * v[0] + 0 * q[0]]
+}
 
 fn main() {
     // The stubs stand in, so that these lines are not reported as well.

@@ -4,7 +4,9 @@
 //! δ = h f(q, v + M⁻¹δ/2, t)        the change of p in a time h: the implicit midpoint rule for ṗ = f(q, M⁻¹p, t) at fixed q and t
 //! ```
 //!
-//! The rule is symmetric, and stable for friction of any stiffness. Newton's method solves it with ∂f/∂v from the
+//! The rule is symmetric, and stable for friction of any stiffness. Friction c with h c/m > 4 turns a velocity round in
+//! each half instead of taking it away: steps need to be shorter, or the friction a
+//! [`LinearDrag`](crate::effect::LinearDrag), which is exact. Newton's method solves it with ∂f/∂v from the
 //! macro; corrections are halved until the residual falls. Where f does not depend on v, δ = h f exactly. Members that
 //! share a body act one after the other for h/2 each, in this order and then in the opposite one.
 //!

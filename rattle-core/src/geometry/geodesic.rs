@@ -1,6 +1,6 @@
 //! The distance between two points along a surface.
 
-use crate::geometry::conjugate::{from_near, settled};
+use crate::geometry::conjugate::{from_near, passes, settled};
 use crate::geometry::detour::detours;
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::kernel::geodesic::{Missed, Shot, length, normal, shoot, shoot_along};
@@ -25,12 +25,12 @@ pub struct Geodesic<const D: usize> {
 /// ```
 ///
 /// It is found by [shooting](crate::kernel::geodesic) from the chord: some hundred evaluations of ∇g and ∇²g. Where
-/// that fails, or leads farther than 1.1 chords, ways through a graph of some hundred points of the surface are drawn
-/// tight, and shot along too: some hundred thousand evaluations, or 10 to 50 ms. Nothing proves that there is no
-/// shorter one; where two ways are nearly as long, the other one may be found. Near a point conjugate to a, where many
-/// geodesics meet, as in the antipode of a sphere, the distance is as exact as elsewhere; a rounding of b turns the
-/// direction by more, the nearer it is. What is narrower than the points of the graph, such as the rim of a plate, can
-/// be missed: an error then. The distance from b to a is the same number.
+/// that fails, leads farther than 1.02 chords, or past a point conjugate to a, ways through a graph of some hundred
+/// points of the surface are drawn tight, and shot along too: some hundred thousand evaluations, or 10 to 50 ms.
+/// Nothing proves that there is no shorter one; where two ways are nearly as long, the other one may be found. Near a
+/// point conjugate to a, where many geodesics meet, as in the antipode of a sphere, the distance is as exact as
+/// elsewhere; a rounding of b turns the direction by more, the nearer it is. What is narrower than the points of the
+/// graph, such as the rim of a plate, can be missed: an error then. The distance from b to a is the same number.
 ///
 /// ```
 /// use rattle::curvature::geodesic_distance;
@@ -81,6 +81,7 @@ fn between<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     let straight = shoot(kernel, a, &chord);
     if let Ok(shot) = straight
         && shot.distance <= NOT_FAR * length(&chord)
+        && !passes(kernel, a, &chord, &shot)
     {
         return Ok(shot);
     }
@@ -131,8 +132,9 @@ fn along<K: ConstraintKernel<f64, D, 1>, const D: usize>(kernel: &K, way: &[[f64
 /// A geodesic is no more than this times as long as the way that led to it: else it is another one.
 const LONGER: f64 = 1.05;
 
-/// A geodesic that is no longer than this, in straight distances, is taken for the shortest.
-const NOT_FAR: f64 = 1.1;
+/// A geodesic that is no longer than this, in straight distances, is taken for the shortest if no point on it is
+/// conjugate to its start.
+const NOT_FAR: f64 = 1.02;
 
 /// Another geodesic is shorter if it is by this part.
 const SHORTER: f64 = 1e-9;

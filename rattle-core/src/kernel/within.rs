@@ -160,10 +160,11 @@ impl<P, B> Within<P, B> {
         Along { within: self, surface }
     }
 
-    /// The same with the exact lengths of geodesics between bodies, to rounding, for any reach below the injectivity
-    /// radius of the surface (see `curvature::geodesic_distance`). Each pair within reach takes 30 µs. Where no
-    /// geodesic is found, as between parts of the surface that are near only through space, the force is NaN, and the
-    /// step or the start is refused.
+    /// The same with the exact lengths of geodesics between bodies, to rounding, for any reach up to half the
+    /// injectivity radius of the surface (on a sphere, 0.8 of it). Beyond that a longer geodesic may be found than the
+    /// shortest, and the pair be taken for one out of reach (see `curvature::geodesic_distance`). Each pair within
+    /// reach takes 30 µs. Where no geodesic is found, as between parts of the surface that are near only through space,
+    /// the force is NaN, and the step or the start is refused.
     ///
     /// ```
     /// use rattle::potentials::LennardJones;

@@ -184,6 +184,13 @@ impl Bdf2 {
     ) -> Result<(), Failure> {
         let beta = 2.0 * self.h / 3.0;
         let (step, inverse) = (T::from_f64(beta), T::from_f64(1.0 / beta));
+        let miss = |bodies: &mut BodiesOf<Y, T, D>, increment: &[[T; D]]| {
+            for body in 0..increment.len() {
+                let missing = scaled(inverse, &add_scaled(&free[body], T::from_f64(-1.0), &increment[body]));
+                bodies.p.as_mut()[body] = rates.momentum(body, &missing);
+                bodies.p_low.as_mut()[body] = [T::from_f64(0.0); D];
+            }
+        };
         let mut last = f64::INFINITY;
         for iteration in 1..=MAX_ITERATIONS {
             for body in 0..q.len() {
@@ -196,11 +203,9 @@ impl Bdf2 {
             rates.project(self.h, bodies)?;
             for body in 0..q.len() {
                 increment[body] = moved(bodies, body, &q[body], &q_low[body]);
-                let missing = scaled(inverse, &add_scaled(&free[body], T::from_f64(-1.0), &increment[body]));
-                bodies.p.as_mut()[body] = rates.momentum(body, &missing);
-                bodies.p_low.as_mut()[body] = [T::from_f64(0.0); D];
             }
-            system.settle(beta, 2.0 * beta, bodies, witness)?;
+            miss(bodies, increment);
+            system.settle(beta, 2.0 * beta, bodies, &mut ())?;
             // Bodies may be linked: one that hardly moves has roundings of the others' ways.
             let way = increment.iter().map(|way| largest(way).to_f64()).fold(0.0, f64::max);
             let (mut worst, mut slowest) = (0.0, 0);
@@ -219,6 +224,11 @@ impl Bdf2 {
             if worst <= SPARE || stalled {
                 for body in 0..q.len() {
                     increment[body] = moved(bodies, body, &q[body], &q_low[body]);
+                }
+                if const { W::LISTENS } {
+                    // What was missing, once more, for those who want to know what settled it.
+                    miss(bodies, increment);
+                    system.settle(beta, 2.0 * beta, bodies, witness)?;
                 }
                 return Ok(());
             }

@@ -19,6 +19,7 @@
 use crate::error::{EffectMistake, Error, MethodFailure};
 use crate::methods::rattle;
 use crate::motion::failure::Failure;
+use crate::motion::identity::Identity;
 use crate::motion::iteration::Newton;
 use crate::motion::method::{Method, View, check_step_size};
 use crate::motion::need::Still;
@@ -174,6 +175,11 @@ impl Method for NoseHoover {
         let of = |mistake| Error::Effect { effect: "NoseHoover", mistake };
         EffectMistake::unless_positive("temperature", self.temperature).map_err(of)?;
         EffectMistake::unless_positive("time", self.time).map_err(of)
+    }
+
+    /// Without the step size: the bath is a part of the state, which goes on with other steps.
+    fn identity(&self) -> Identity {
+        Identity::of::<Self>(self.name(), self.parameters())
     }
 
     fn memory<T: Scalar, Y: System<T, D>, const D: usize>(

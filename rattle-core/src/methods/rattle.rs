@@ -135,7 +135,8 @@ impl<G: Guess, X: Iteration> Method for Rattle<G, X> {
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        if const { G::NUMBERS == 0 } {
+        // `Variable` keeps nothing between steps.
+        if const { G::NUMBERS == 0 } || memory.is_empty() {
             return step::<X, _, _, _, D>(self.h, &[], system, bodies, witness);
         }
         let ([steps, length], multipliers) = memory.split_first_chunk_mut().expect("as `memory` makes it");

@@ -32,9 +32,9 @@ pub trait Hold<const D: usize>: Sized {
         tangent: bool,
     ) -> Result<Self::System<E, N>, Error>;
 
-    /// Whether this body is fixed.
-    fn pinned(&self, _body: usize) -> bool {
-        false
+    /// Where this body is fixed, if it is.
+    fn pin(&self, _body: usize) -> Option<[f64; D]> {
+        None
     }
 
     /// ṗ of a body at q under a force, without constraints.

@@ -24,9 +24,9 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 pub(crate) const FLOW: &str = "bodies under drag or another flow of momenta";
 
 /// Vectors of room for each body: velocities, rates, holding forces, changes, momenta at first with what rounding took,
-/// four others; and what is still to come, velocities in the middle, what another flow gives and what of it is along
-/// the constraints, momenta that are imposed, momenta put aside with what rounding took.
-pub(crate) const ROOM: usize = 17;
+/// four others; and what is still to come, velocities and momenta in the middle, what another flow gives and what of it
+/// is along the constraints, momenta that are imposed, momenta put aside with what rounding took.
+pub(crate) const ROOM: usize = 18;
 
 /// [`Rule::Symmetric`] is iterated no more often: where each iteration takes half of what is left, all digits take 53.
 const MOST_ITERATIONS: usize = 100;
@@ -169,8 +169,8 @@ struct Flowing<'a, T, Y, const D: usize> {
     system: &'a Y,
     /// Velocities, rates, holding forces and changes.
     room: &'a mut [[T; D]],
-    /// What is still to come, velocities in the middle, what another flow gives, what of that is along the constraints,
-    /// what is imposed, two vectors to put momenta aside.
+    /// What is still to come, velocities and momenta in the middle, what another flow gives, what of that is along the
+    /// constraints, what is imposed, two vectors to put momenta aside.
     felt: &'a mut [[T; D]],
     /// The momenta at first, and what rounding had taken from them.
     first: &'a [[T; D]],
@@ -194,6 +194,7 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
         };
         let (coming, others) = self.felt.split_at_mut(n);
         let (middle, others) = others.split_at_mut(n);
+        let (momenta, others) = others.split_at_mut(n);
         let (push, others) = others.split_at_mut(n);
         let (way, others) = others.split_at_mut(n);
         let (still, aside) = others.split_at_mut(n);
@@ -207,6 +208,7 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
         if self.feels {
             system.evaluate_forces(bodies); // a method may have left those of another place
             middle.copy_from_slice(velocities);
+            momenta.copy_from_slice(bodies.p.as_ref());
         }
         let others = |number: usize| number != self.number && system.effects().manner(number).0.is_felt();
         let others = || (0..Y::FLOWS).filter(|&number| self.feels && others(number));
@@ -219,8 +221,10 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
             }
             for number in others() {
                 // h times the force at these velocities: forwards and backwards, without its own way between.
+                momenta.swap_with_slice(bodies.p.as_mut());
                 system.flow(number, Given { velocities: middle, ..given }, bodies, push);
                 system.flow(number, Given { h: -h, velocities: middle, ..given }, bodies, way);
+                momenta.swap_with_slice(bodies.p.as_mut());
                 for (push, way) in push.iter_mut().zip(&mut *way) {
                     *push = scaled(T::from_f64(0.5), &minus(push, way));
                     *way = *push;
@@ -235,9 +239,9 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
                 }
             }
             system.flow(self.number, Given { rates, holding, coming, ..given }, bodies, changes);
-            for (body, middle) in middle.iter_mut().enumerate().filter(|_| self.feels) {
-                let p = add_scaled(&bodies.p.as_ref()[body], T::from_f64(0.5), &changes[body]);
-                *middle = inertia.velocity(body, &p);
+            for body in 0..if self.feels { n } else { 0 } {
+                momenta[body] = add_scaled(&bodies.p.as_ref()[body], T::from_f64(0.5), &changes[body]);
+                middle[body] = inertia.velocity(body, &momenta[body]);
             }
         }
         for (body, change) in changes.iter_mut().enumerate() {

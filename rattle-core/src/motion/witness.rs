@@ -10,6 +10,17 @@ pub trait Witness<T> {
     fn position_multiplier(&mut self, equation: usize, lambda: T);
     /// μ of the momentum equation; for a collocation method, λ(t) at the end of the step.
     fn momentum_multiplier(&mut self, equation: usize, mu: T);
+
+    /// Called where a simulation makes a step, or a part of it, once more: what was told since the last
+    /// [`keep`](Self::keep), or since the step began, does not stand.
+    #[inline(always)]
+    fn forget(&mut self) {}
+    /// What was told stands, whatever becomes of the rest of the step.
+    #[inline(always)]
+    fn keep(&mut self) {}
+    /// The step is taken.
+    #[inline(always)]
+    fn taken(&mut self) {}
 }
 
 impl<T> Witness<T> for () {
@@ -37,6 +48,8 @@ impl<T, W: Witness<T>> Witness<T> for AtEnd<'_, W> {
 pub(crate) trait Hears<T> {
     fn position_multiplier(&mut self, equation: usize, lambda: T);
     fn momentum_multiplier(&mut self, equation: usize, mu: T);
+    fn forget(&mut self);
+    fn keep(&mut self);
 }
 
 impl<T, W: Witness<T>> Hears<T> for W {
@@ -45,6 +58,12 @@ impl<T, W: Witness<T>> Hears<T> for W {
     }
     fn momentum_multiplier(&mut self, equation: usize, mu: T) {
         Witness::momentum_multiplier(self, equation, mu);
+    }
+    fn forget(&mut self) {
+        Witness::forget(self);
+    }
+    fn keep(&mut self) {
+        Witness::keep(self);
     }
 }
 

@@ -16,11 +16,12 @@
 //! # Ok::<(), rattle::Error>(())
 //! ```
 //!
-//! To continue, first make the run as before: the same scene, any start, the same method, and the same calls of
-//! `retry`, `collide` and the like. These are code and not in the checkpoint. But the checkpoint holds values that they
-//! give, and is refused, with the part that differs, where the values are others now. Everything that changes in a run
-//! comes from the checkpoint: positions and momenta with their rounding errors, the memory of method and effects, time,
-//! steps, random numbers, work, energy at the start, events, and the errors of the last guesses.
+//! To continue, first make the run as before: the same scene, any start (of links, one where they choose the same
+//! [linear algebra](crate::systems::network::LinearAlgebra)), the same method, and the same calls of `retry`, `collide`
+//! and the like. These are code and not in the checkpoint. But the checkpoint holds values that they give, and is
+//! refused, with the part that differs, where the values are others now. Everything that changes in a run comes from
+//! the checkpoint: positions and momenta with their rounding errors, the memory of method and effects, time, steps,
+//! random numbers, work, energy at the start, events, and the errors of the last guesses.
 
 use crate::error::Error;
 use crate::motion::bodies::{Body, gathered};

@@ -92,7 +92,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// The present state, from which a new simulation with the same method continues bit for bit; steps, work and
     /// energy errors are then counted from there. (Linked bodies whose equations have become dependent may choose
-    /// another [linear algebra](crate::systems::network::LinearAlgebra) at the new start, and then round differently.)
+    /// another [linear algebra](crate::systems::network::LinearAlgebra) at the new start, and then round differently;
+    /// so do two dozen and more components that are alike, in their first steps. A
+    /// [checkpoint](crate::run::checkpoint) continues them bit for bit too.)
     #[doc(alias = "restart")]
     #[doc(alias = "snapshot")]
     pub fn state(&self) -> State<D> {

@@ -49,6 +49,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// Takes a step in so many parts, with random numbers of the whole step if there are any.
     fn parts(&mut self, parts: u32, witness: &mut dyn Hears<f64>) -> Result<(), Trouble> {
         let (random, h) = (draws(&self.system), self.method.step_size());
+        witness.forget();
         let (method, parts) = match self.method.finer(parts).filter(|_| random) {
             Some(finer) => (finer, 1),
             None => (self.method.with_step(h / f64::from(parts)), parts),

@@ -1,7 +1,7 @@
 //! Simulations: a scene in motion.
 
 use crate::effect::noise::Noise;
-use crate::error::Error;
+use crate::error::{Error, StepFailure};
 use crate::methods::able::{no_way_back, view};
 use crate::methods::brownian;
 use crate::motion::bodies::{Bodies, Saved};
@@ -17,6 +17,7 @@ use crate::number::clock::{later, steps_to};
 use crate::run::events::{Events, Stretch};
 use crate::run::seldom::seldom;
 use crate::run::trouble::Trouble;
+use crate::run::watch::listening::{Held, Listening};
 use crate::run::watch::observer::Observer;
 use crate::run::watch::seen::Seen;
 use std::fmt;
@@ -101,13 +102,14 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             bodies.marks = marks.map_err(|(effect, mistake)| Error::Effect { effect, mistake })?;
         }
         if let Some(Remembered { method: whose, system: of, numbers }) = &start.remembered
-            && *whose == method.identity()
-            && numbers.len() == memory.as_ref().len() + bodies.marks.len()
+            && let Some(long) = numbers.len().checked_sub(bodies.marks.len())
             && of.is(&Identity::of_system(&system, &bodies))
         {
-            let (of_method, of_effects) = numbers.split_at(memory.as_ref().len());
-            memory.as_mut().copy_from_slice(of_method);
+            let (of_method, of_effects) = numbers.split_at(long);
             bodies.marks.copy_from_slice(of_effects);
+            if *whose == method.identity() && long == memory.as_ref().len() {
+                memory.as_mut().copy_from_slice(of_method);
+            }
         }
         let before = bodies.saved();
         let memory_before = memory.clone();
@@ -293,38 +295,40 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let every = every.max(1);
         let mut before = Seen::new(self.steps, 1, self.bodies(), |page| self.look(page));
         let mut now = before.clone();
+        // A step that is taken again in parts tells of those that stand.
+        let mut held = (self.goes_again || self.halving.is_some()).then(Held::default);
         for _ in 0..steps / every {
-            self.take_shown(every, observer, &before)?;
+            self.take_shown(every, Listening { observer, held: held.as_mut() }, &before)?;
             now.steps = self.steps;
             self.look(now.page());
             observer.see(&before.sight(self), &now.sight(self));
             observer.failure().map_or(Ok(()), Err)?;
             std::mem::swap(&mut before, &mut now);
         }
-        self.take(steps % every, &mut Listening(observer))
+        self.take(steps % every, &mut Listening { observer, held: held.as_mut() })
     }
 
     /// Takes so many steps from the last sight on, and shows each instant at which momenta jump.
     fn take_shown<O: Observer<D> + ?Sized>(
         &mut self,
         steps: u64,
-        observer: &mut O,
+        mut listening: Listening<'_, O, D>,
         last: &Seen<D>,
     ) -> Result<(), Error> {
-        if self.events.is_none() || !observer.sees_jumps() {
-            return self.take(steps, &mut Listening(observer));
+        if self.events.is_none() || !listening.observer.sees_jumps() {
+            return self.take(steps, &mut listening);
         }
         let mut from = last.clone();
         for _ in 0..steps {
             let (steps, time) = (self.steps, self.time());
             self.keep_jumps(Some(Vec::new()));
-            let taken = self.take(1, &mut Listening(observer));
+            let taken = self.take(1, &mut listening);
             let jumps = self.keep_jumps(None);
             taken?;
             for mut jump in jumps {
                 jump.iter_mut().for_each(|seen| seen.date(steps, time));
                 let [before, after] = jump;
-                observer.jump(&from.sight(self), &before.sight(self), &after.sight(self));
+                listening.observer.jump(&from.sight(self), &before.sight(self), &after.sight(self));
                 from = after;
             }
         }
@@ -342,6 +346,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     fn take(&mut self, steps: u64, witness: &mut impl Witness<f64>) -> Result<(), Error> {
         for _ in 0..steps {
             self.advance(witness)?;
+            witness.taken();
         }
         Ok(())
     }
@@ -396,50 +401,77 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         }
     }
 
-    /// Takes the step just made apart where something happens inside it.
+    /// Takes the step just made apart where something happens inside it; in parts, as often halved as is allowed, where
+    /// the way back does not lead to where it began.
     fn meet(&mut self, stepped: Result<(), Failure>, witness: &mut dyn Hears<f64>) -> Result<(), Error> {
-        let noise = self.noise();
+        let halvings = self.most_halvings();
+        let mut met = self.meet_halved(0, Some(stepped.map_err(Trouble::from)), witness);
+        for least in 1..=halvings {
+            if !matches!(met, Err(Trouble::NotReversed { .. })) {
+                break;
+            }
+            self.put_back();
+            met = self.meet_halved(least, None, witness);
+        }
+        met.map_err(|mut trouble| {
+            self.put_back();
+            self.explain(&mut trouble);
+            trouble.told(self.steps + 1, self.time(), halvings)
+        })
+    }
+
+    /// Takes a step apart where something happens inside it, each stretch in halves at least so often; it is the one
+    /// that went so, or is made.
+    fn meet_halved(
+        &mut self,
+        least: u32,
+        went: Option<Result<(), Trouble>>,
+        witness: &mut dyn Hears<f64>,
+    ) -> Result<(), Trouble> {
+        let (noise, most) = (self.noise(), self.most_halvings());
         let Some(events) = self.events.as_deref_mut() else { return Ok(()) };
         let Events { meet, search, start, aside, .. } = events;
         self.system.put_aside(&self.before, start);
-        let halvings = self.halving.map_or(0, |halving| halving.most);
         let (system, method, bodies) = (&self.system, &self.method, &mut self.bodies);
-        let divided = false;
-        let flows = !draws(system);
+        let (flows, halvings, divided) = (!draws(system), least..=most, false);
         let mut stretch =
             Stretch { system, method, bodies, start, noise, aside, witness, halvings, flows, divided };
-        let met = match flows {
-            true => meet(search, &mut stretch, stepped.map_err(Trouble::from)),
-            false => stretch.between_flows(|stretch, stepped| meet(search, stretch, stepped)),
-        };
+        let number = match flows {
+            true => {
+                let in_parts =
+                    |failure: &Failure| most > 0 && !matches!(failure.cause, StepFailure::Kink { .. });
+                let went = went.filter(|went| !matches!(went, Err(Trouble::Failed(by)) if in_parts(by)));
+                let went = went.unwrap_or_else(|| stretch.go(method.step_size().abs()));
+                meet(search, &mut stretch, went)
+            }
+            false => stretch.between_flows(|stretch, went| meet(search, stretch, went)),
+        }?;
         let divided = stretch.divided;
-        match met {
-            Ok(number) => {
-                events.number += number;
-                if divided {
-                    self.memory = self.method.memory(view(&self.method, &self.system)?, &self.bodies);
-                } else if let Err(trouble) = self.compare(1) {
-                    return self.take_in_parts(trouble, witness);
-                }
-                Ok(())
-            }
-            Err(mut trouble) => {
-                self.put_back();
-                self.explain(&mut trouble);
-                Err(trouble.told(self.steps + 1, self.time(), halvings))
-            }
+        events.number += number;
+        if divided {
+            self.memory = self.method.memory(view(&self.method, &self.system)?, &self.bodies);
         }
+        let of_one_piece = !divided || (least > 0 && number == 0);
+        if of_one_piece { self.compare(1 << least) } else { Ok(()) }
+    }
+
+    /// How often a step may be halved.
+    fn most_halvings(&self) -> u32 {
+        let whole = self.method.momentum_delay() != 0.0 || self.method.undivided().is_some();
+        self.halving.filter(|_| !whole).map_or(0, |halving| halving.most)
     }
 
     /// Takes the step in trouble in parts, as often halved as is allowed.
     fn take_in_parts(&mut self, mut trouble: Trouble, witness: &mut dyn Hears<f64>) -> Result<(), Error> {
         let clock = self.clock;
         self.put_back();
-        let whole = self.method.momentum_delay() != 0.0 || self.method.undivided().is_some();
-        let halving = self.halving.filter(|_| !whole);
-        let most = halving.map_or(0, |halving| halving.most);
-        if let Some(Halving { take, .. }) = halving {
+        let most = self.most_halvings();
+        if let Some(Halving { take, .. }) = self.halving {
             for halved in 1..=most {
+                // Parts by themselves would draw other random numbers.
+                if const { S::STIRS } && draws(&self.system) && self.method.finer(1 << halved).is_none() {
+                    break;
+                }
                 let taken = take(self, 1 << halved, witness);
                 match taken.and_then(|()| self.compare(1 << halved)) {
                     Ok(()) => return Ok(()),
@@ -560,19 +592,5 @@ impl<Y: System<f64, D>, S: Method, const D: usize> fmt::Debug for Simulation<Y, 
         let mut debug = f.debug_struct("Simulation");
         debug.field("method", &self.method.name()).field("time", &self.time()).field("bodies", &self.bodies);
         debug.finish_non_exhaustive()
-    }
-}
-
-/// Passes a step's multipliers on to an observer.
-struct Listening<'a, O: ?Sized, const D: usize>(&'a mut O);
-
-impl<O: Observer<D> + ?Sized, const D: usize> Witness<f64> for Listening<'_, O, D> {
-    #[inline(always)]
-    fn position_multiplier(&mut self, equation: usize, lambda: f64) {
-        self.0.position_multiplier(equation, lambda);
-    }
-    #[inline(always)]
-    fn momentum_multiplier(&mut self, equation: usize, mu: f64) {
-        self.0.momentum_multiplier(equation, mu);
     }
 }

@@ -11,8 +11,8 @@
 //!
 //! Examining a step changes no bit of a root that is right. So steps remain functions of the state, whatever errors are
 //! remembered here, and a state need not hold them. But a root that was right and looked wrong is followed to the same
-//! point with other rounding errors; so a checkpoint, from which a run continues to the last bit, holds the remembered
-//! errors.
+//! point with other rounding errors, and alike components of links go side by side only where errors are remembered; so
+//! a checkpoint, from which a run continues to the last bit, holds the remembered errors.
 
 use crate::error::Error;
 use crate::motion::record::{Reading, Record};

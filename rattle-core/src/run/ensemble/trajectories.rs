@@ -198,12 +198,17 @@ impl<const D: usize> Ensemble<D> {
         loop {
             let (mut scenes, mut starts, mut ready) = (Vec::new(), Vec::new(), Vec::new());
             while scenes.len() < LANES
-                && let Some((scene, start)) = next()
+                && let Some((scene, mut start)) = next()
             {
                 let system = match (scene.ready(&start, &method), beyond(most, &start)) {
                     (Err(error), _) | (_, Some(error)) => return Err(ensemble.refused(scenes.len(), error)),
                     (Ok(system), None) => system,
                 };
+                for (body, bodies) in start.bodies.iter_mut().enumerate() {
+                    if let Some(at) = scene.constraint.pin(body) {
+                        (bodies.q, bodies.q_low) = (at, [0.0; D]);
+                    }
+                }
                 ready.push(system);
                 starts.push(start);
                 scenes.push(scene);

@@ -42,7 +42,7 @@ pub(super) fn edge<Y: System<f64, D>, S: Method, const D: usize>(
     stretch: &mut Stretch<'_, Y, S, D>,
     length: f64,
 ) -> Result<Option<(Edge, f64)>, Trouble> {
-    let halvings = std::mem::take(&mut stretch.halvings);
+    let halvings = std::mem::replace(&mut stretch.halvings, 0..=0);
     stretch.system.put_aside(stretch.start, &mut stretch.aside[0]);
     let (mut low, mut high) = (0.0, length);
     for _ in 0..ROUNDS {
@@ -69,6 +69,12 @@ pub(super) fn edge<Y: System<f64, D>, S: Method, const D: usize>(
                 high = at;
             }
         }
+    }
+    // As the last one that is told of.
+    if low > 0.0 {
+        stretch.go(low)?
+    } else {
+        stretch.go_back()
     }
     stretch.halvings = halvings;
     let times = (0..stretch.aside[0].q.as_ref().len()).map(|body| {

@@ -2,7 +2,8 @@
 //!
 //! A gap is known, with its rate, at both ends of the stretch. It is suspect where it is negative at the end, or
 //! falls at first and rises at last, and the tangents at the two ends meet below zero: a gap that bends upwards lies
-//! above both.
+//! above both. In steps so long that bodies go farther than their speeds at the ends tell, tangents are as much
+//! steeper.
 //!
 //! ```text
 //! root     s ← s − gap(s)/rate(s), in brackets, halved where that does not help        until 0 ≤ gap ≤ 2 τ
@@ -30,8 +31,10 @@ const TOUCHING: f64 = 64.0;
 const CORRECTIONS: u32 = 12;
 /// Tries until a bracket has come to its rounding, or a dip to its bottom.
 const TRIES: u32 = 128;
-/// How much faster than at its ends a body may be within a stretch.
+/// How much faster than at its ends a body may be within a stretch, for bodies to be near.
 const FASTER: f64 = 1.25;
+/// Rates of gaps are taken to be faster by no more than this.
+const FASTEST: f64 = 4.0;
 
 /// Which contact: of which kind, and its number there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,6 +88,8 @@ pub(in crate::run) struct Meetings<const D: usize> {
     pub(super) gradient: Gradient<D>,
     /// The farthest that a body goes in the step.
     way: f64,
+    /// How much faster than at its ends, at most, a body was in this stretch.
+    faster: f64,
     /// Impacts in the step.
     pub(super) impacts: u64,
     /// The smallest restitution of those.
@@ -101,6 +106,7 @@ impl<const D: usize> Meetings<D> {
             found: Vec::new(),
             gradient: Vec::new(),
             way: 0.0,
+            faster: 1.0,
             impacts: 0,
             restitution: 1.0,
         }
@@ -224,12 +230,17 @@ impl<const D: usize> Meetings<D> {
             return Ok(None);
         }
         let (system, start, end) = (stretch.system, &*stretch.start, &*stretch.bodies);
-        let mut way = 0.0_f64;
+        let (mut way, mut faster) = (0.0_f64, 1.0_f64);
         for (body, (from, to)) in start.q.as_ref().iter().zip(end.q.as_ref()).enumerate() {
             let apart = add_scaled(to, -1.0, from);
             let speeds = [system.velocity(start, body), system.velocity(end, body)].map(|v| dot(&v, &v));
-            way = way.max(dot(&apart, &apart)).max(length * length * speeds[0].max(speeds[1]));
+            let (gone, at_ends) = (dot(&apart, &apart), length * length * speeds[0].max(speeds[1]));
+            way = way.max(gone).max(at_ends);
+            if gone > faster * at_ends && at_ends > 0.0 {
+                faster = gone / at_ends; // the square of it: the way is longer than its chord
+            }
         }
+        self.faster = faster.min(FASTEST);
         self.find_near(end.q.as_ref(), FASTER * way.sqrt());
         let mut first: Option<Suspect> = None;
         for i in 0..self.near.len() {
@@ -248,7 +259,7 @@ impl<const D: usize> Meetings<D> {
                 0.0
             } else if closed(&start, &end) {
                 length * start.gap.max(0.0) / (start.gap.max(0.0) - end.gap)
-            } else if let Some(about) = dips([(0.0, &start), (length, &end)])
+            } else if let Some(about) = dips(self.faster, [(0.0, &start), (length, &end)])
                 && !self.cleared.contains(&which)
             {
                 about
@@ -280,7 +291,7 @@ impl<const D: usize> Meetings<D> {
         }
         let (mut low, mut high) = ((0.0, start), (length, end));
         for _ in 0..TRIES {
-            let Some(_) = dips([(low.0, &low.1), (high.0, &high.1)]) else { break };
+            let Some(_) = dips(self.faster, [(low.0, &low.1), (high.0, &high.1)]) else { break };
             let at = low.0 + (high.0 - low.0) * low.1.rate / (low.1.rate - high.1.rate);
             if !(low.0 < at && at < high.0) {
                 break;
@@ -344,11 +355,12 @@ fn closed(start: &Look, end: &Look) -> bool {
     end.gap < level - end.rounding || (end.gap < level && end.rate < -end.slow)
 }
 
-/// Where the tangents at two instants meet, if that is below zero.
-fn dips([(a, low), (b, high)]: [(f64, &Look); 2]) -> Option<f64> {
-    if !(low.rate < 0.0 && high.rate > 0.0) {
+/// Where the tangents at two instants meet, with rates that are so much faster, if that is below zero.
+fn dips(faster: f64, [(a, low), (b, high)]: [(f64, &Look); 2]) -> Option<f64> {
+    let [falls, rises] = [low.rate, high.rate].map(|rate| faster * rate);
+    if !(falls < 0.0 && rises > 0.0) {
         return None;
     }
-    let after = ((high.gap - low.gap) - high.rate * (b - a)) / (low.rate - high.rate);
-    (low.gap + low.rate * after < low.gap.min(0.0) - low.rounding).then_some(a + after)
+    let after = ((high.gap - low.gap) - rises * (b - a)) / (falls - rises);
+    (low.gap + falls * after < low.gap.min(0.0) - low.rounding).then_some(a + after)
 }

@@ -13,6 +13,7 @@ use crate::motion::witness::Hears;
 use crate::run::seldom::seldom;
 use crate::run::trouble::Trouble;
 use crate::run::watch::seen::{Seen, write};
+use std::ops::RangeInclusive;
 
 /// A stretch of a step. Lengths are positive, whichever way time runs.
 pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usize> {
@@ -27,8 +28,8 @@ pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usi
     /// Room for two more places.
     pub(in crate::run) aside: &'a mut [Saved<Y::Count, f64, D>; 2],
     pub(in crate::run) witness: &'a mut dyn Hears<f64>,
-    /// How often a try that fails is halved.
-    pub(in crate::run) halvings: u32,
+    /// How often a try is halved at least, and where it fails at most.
+    pub(in crate::run) halvings: RangeInclusive<u32>,
     /// Whether flows act inside it, and not around the whole step.
     pub(in crate::run) flows: bool,
     /// Whether anything was tried but the whole step.
@@ -43,10 +44,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
 
     /// Goes this far from the start: in one step, or in parts if that is allowed and needed. The method remembers
     /// nothing of what was before.
-    pub(super) fn go(&mut self, length: f64) -> Result<(), Trouble> {
+    pub(in crate::run) fn go(&mut self, length: f64) -> Result<(), Trouble> {
         self.divided = true;
-        let mut went = self.go_in_parts(length, 1);
-        for halved in 1..=self.halvings {
+        let (least, most) = (*self.halvings.start(), *self.halvings.end());
+        let mut went = self.go_in_parts(length, 1 << least);
+        for halved in least + 1..=most {
             if went.is_ok() {
                 break;
             }
@@ -85,6 +87,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
 
     /// Back to where it begins.
     pub(super) fn go_back(&mut self) {
+        self.witness.forget();
         self.system.put_back(self.bodies, self.start);
         self.bodies.noise = self.noise;
     }
@@ -103,5 +106,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
     pub(super) fn begin(&mut self) {
         self.system.put_aside(self.bodies, self.start);
         self.noise = self.bodies.noise;
+        self.witness.keep();
     }
 }

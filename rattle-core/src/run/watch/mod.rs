@@ -34,6 +34,7 @@
 
 pub mod each;
 pub mod histogram;
+pub(in crate::run) mod listening;
 pub mod mean;
 pub mod observer;
 pub mod progress;

@@ -66,11 +66,12 @@ pub trait Observer<const D: usize> {
     fn failure(&self) -> Option<Error> {
         None
     }
-    /// Called with λ of a position equation, in every step of a simulation. Not called in ensembles; see
-    /// [`Sight::multipliers`].
+    /// Called with λ of a position equation, in every step of a simulation. A step that is divided, at
+    /// [impacts](crate::run::simulation::Simulation::collide) say, tells of its parts in turn. Not called in ensembles;
+    /// see [`Sight::multipliers`].
     #[inline(always)]
     fn position_multiplier(&mut self, _equation: usize, _lambda: f64) {}
-    /// Called with μ of a momentum equation, in every step of a simulation.
+    /// Called with μ of a momentum equation, likewise.
     #[inline(always)]
     fn momentum_multiplier(&mut self, _equation: usize, _mu: f64) {}
 }

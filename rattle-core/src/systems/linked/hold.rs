@@ -28,8 +28,8 @@ impl<const D: usize> Hold<D> for Network<D> {
         Linked::ready(self, effects.forces(), count, start, h, tangent)
     }
 
-    fn pinned(&self, body: usize) -> bool {
-        self.pins.iter().any(|&(pinned, _)| pinned == body)
+    fn pin(&self, body: usize) -> Option<[f64; D]> {
+        self.pins.iter().find_map(|&(pinned, at)| (pinned == body).then_some(at))
     }
 
     fn bodies(self, number: usize) -> Self {

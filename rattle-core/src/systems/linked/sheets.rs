@@ -10,6 +10,7 @@
 //! The curve is Hermite's cubic, and where an equation is not small on it, the quartic that also matches the
 //! acceleration at the end.
 
+use crate::effect::interval::Inertia;
 use crate::effect::list::Forces;
 use crate::error::StepFailure;
 use crate::motion::affected::Affected;
@@ -105,10 +106,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 let here = &blocks[first..first + rows.blocks()];
                 let square =
                     |row: usize| rows.touched_by(row).map(|(block, _)| dot(&here[block], &here[block]));
-                rows.bodies.iter().for_each(|&body| room.trial[body] = q[body]);
+                rows.touched().iter().for_each(|&body| room.trial[body] = q[body]);
                 for row in 0..rows.equations() {
                     let shift = share * reach / square(row).sum::<f64>().sqrt();
-                    for (block, body) in rows.touched_by(row) {
+                    for (block, body) in rows.touched_by(row).filter(|&(_, body)| !shape.is_pinned(body)) {
                         room.trial[body] = add_scaled(&room.trial[body], shift, &here[block]);
                     }
                 }

@@ -288,7 +288,7 @@ pub(crate) fn project<const D: usize>(
     algebra: LinearAlgebra,
     state: &State<D>,
 ) -> Result<State<D>, Error> {
-    let mut state = state.clone();
+    let mut state = State { remembered: None, ..state.clone() };
     for &(body, at) in &shape.pins {
         state.bodies[body] = Body { q: at, q_low: [0.0; D], p: [0.0; D], p_low: [0.0; D] };
     }

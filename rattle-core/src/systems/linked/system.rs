@@ -4,7 +4,7 @@
 use crate::effect::interval::Inertia;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::{Error, StepFailure};
+use crate::error::{Error, RecordMistake, StepFailure};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::affected::Affected;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
@@ -25,6 +25,14 @@ use crate::systems::linked::diagnosis::{gradient, kinked};
 use crate::systems::linked::kept::{BodiesOf, Counts, Kept, Linked, Tied, along};
 use crate::systems::linked::moving::Moving;
 use crate::systems::linked::room::Stages;
+
+/// The error of a checkpoint whose run had another linear algebra.
+#[cold]
+fn chosen_otherwise() -> Error {
+    let part = "linear algebra, which links choose at the start".into();
+    let [file, here] = ["a run from another start", "a start where normals are more, or less, independent"];
+    Error::Record(RecordMistake::Another { part, file: file.into(), here: here.into() })
+}
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Parts<f64, D> for Linked<F, N, D> {
     type Count = N;
@@ -60,6 +68,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Parts<f64, D> for Linked<F, N,
         let of_effects = self.effects.room(n);
         let kept = Kept { tied: Tied::new(shape, n), of_effects, stages: None, series: None };
         let mut bodies = Bodies::new(self.count, kept, places, time);
+        for &(body, at) in &shape.pins {
+            (bodies.q.as_mut()[body], bodies.q_low.as_mut()[body]) = (at, [0.0; D]);
+        }
         self.refresh(&mut bodies);
         bodies
     }
@@ -81,6 +92,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Parts<f64, D> for Linked<F, N,
         pace.record(aims.len(), &mut aims.iter(), to);
         to.numbers("crowd looked at", &[1], [asked.reach]);
         to.counts("crowd", [asked.in_one()]);
+        to.counts("linear algebra", self.shape.chosen());
     }
 
     fn recall(&self, bodies: &mut BodiesOf<F, N, D>, from: &mut Reading<'_>) -> Result<(), Error> {
@@ -90,7 +102,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Parts<f64, D> for Linked<F, N,
         bodies.kept.tied.pace = Pace::recall(aims.len(), &mut aims.iter_mut(), from)?;
         let ([reach], [asked]) = (from.array("crowd looked at")?, from.counted("crowd")?);
         bodies.kept.tied.asked = Asked::of(asked, reach);
-        Ok(())
+        let there = from.counts("linear algebra")?;
+        if self.shape.chosen().eq(there.iter().copied()) { Ok(()) } else { Err(chosen_otherwise()) }
     }
 
     fn velocity<X>(&self, bodies: &Bodies<N, f64, X, D>, body: usize) -> [f64; D] {

@@ -90,6 +90,14 @@ impl<const D: usize> Shape<D> {
         }
     }
 
+    /// Of each component that chose its linear algebra at the start: which, and how many equations were independent.
+    pub(crate) fn chosen(&self) -> impl Iterator<Item = u64> + '_ {
+        let choosing = self.components.iter().filter(|component| !matches!(component.solver, Solver::Few(_)));
+        choosing.map(|Component { solver, rows, .. }| {
+            2 * solver.rank(rows) as u64 + u64::from(solver.is_orthogonal())
+        })
+    }
+
     /// What the multipliers act along: the gradients, without the coordinates that they are kept from.
     pub(crate) fn mask(&self, component: usize, blocks: &mut [[f64; D]]) {
         for run in &self.components[component].rows.runs {

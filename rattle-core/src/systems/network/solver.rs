@@ -327,7 +327,7 @@ pub struct Report {
     pub equations: usize,
     /// The number of independent equations.
     pub rank: usize,
-    /// The linear algebra in use; never [`LinearAlgebra::Automatic`].
+    /// The linear algebra in use at the start; never [`LinearAlgebra::Automatic`].
     pub by: LinearAlgebra,
     /// Fill-in: entries of the factor below the diagonal that are not in the pattern of the links; 0 for chains and
     /// trees.
@@ -336,9 +336,10 @@ pub struct Report {
 
 impl Report {
     pub(crate) fn of<const D: usize>(rows: &Rows, solver: &Solver<D>) -> Self {
-        let (by, fill) = match solver {
-            Solver::Orthogonal(_) | Solver::Few(_) => (LinearAlgebra::Orthogonal, 0),
-            Solver::Elimination(elimination) => (elimination.by(), elimination.fill()),
+        let (by, fill) = match solver.by() {
+            By::Basis(_) => (LinearAlgebra::Orthogonal, 0),
+            By::Elimination(elimination) => (elimination.by(), elimination.fill()),
+            By::Dense(_) => (LinearAlgebra::Elimination, 0),
         };
         Self { bodies: rows.bodies.len(), equations: rows.equations(), rank: solver.rank(rows), by, fill }
     }
