@@ -159,7 +159,7 @@ fn a_run_that_cannot_be_saved_does_not_begin() {
     let saving = Saving::to(&path).every(5);
     let mut begun = false;
     saving
-        .run_to_by(&mut *one, 10, 1, |run, steps| {
+        .run_to_by(&mut *one, 10, 1, |run, steps, _| {
             begun = begun || path.parent().is_some_and(Path::is_dir);
             run.take_steps(steps)
         })

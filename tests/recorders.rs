@@ -294,9 +294,9 @@ fn no_row_is_lost_without_a_word() {
     let folder = tempfile::tempdir().unwrap();
     let saving = Saving::to(folder.path().join("run.rattle")).every(25);
     let mut seen = Vec::new();
-    let ended = saving.run_to_by(&mut run, 117, 10, |run, steps| {
+    let ended = saving.run_to_by(&mut run, 117, 10, |run, steps, every| {
         seen.push((run.steps(), saving.path().exists(), to.frames()));
-        run.observe(steps, 10, &mut recorder)?;
+        run.observe(steps, every, &mut recorder)?;
         recorder.flush()
     });
     assert_eq!(ended.unwrap(), Ended::Done);
@@ -313,6 +313,31 @@ fn no_row_is_lost_without_a_word() {
     assert!(error.to_string().contains("0 rows were written, then: a recorder still has rows"), "{error:?}");
     assert_eq!(format!("{error:?}"), error.to_string(), "a program that ends with it says the same");
     assert!(recorder.finish().is_err());
+}
+
+/// A run that ended at a step that is no multiple has, gone on with, the rows of a run that never ended.
+#[test]
+fn a_restart_has_the_rows_of_one_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = |targets: &[u64]| {
+        let saving = Saving::to(folder.path().join(format!("{targets:?}"))).every(500);
+        let mut all = Vec::new();
+        for &target in targets {
+            let (mut run, mut recorder) =
+                (ring(2), Recorder::of(&Columns::<3>::new().positions(), Rows::default()));
+            saving.restore(&mut run).unwrap();
+            let take = |run: &mut _, steps, every| Simulation::observe(run, steps, every, &mut recorder);
+            assert_eq!(saving.run_to_by(&mut run, target, 100, take).unwrap(), Ended::Done);
+            let rows = recorder.finish().unwrap();
+            all.extend(rows.steps.iter().copied().zip(rows.numbers("q").map(<[f64]>::to_vec)));
+        }
+        all
+    };
+    let whole = rows(&[1000]);
+    assert_eq!(whole.len(), 10);
+    for targets in [&[250, 1000][..], &[250, 280, 1000], &[99, 100, 101, 600, 1000]] {
+        assert_eq!(rows(targets), whole, "{targets:?}");
+    }
 }
 
 /// Two columns of one name, and words that would break a file.

@@ -90,11 +90,13 @@ impl Saving {
     /// [`CheckpointError::Io`] where the run cannot be saved: before the first step where that is known then, else it
     /// stands at the step that was to be saved. The last checkpoint is unchanged.
     pub fn run_to(&self, run: &mut (impl Checkpoint + ?Sized), steps: u64) -> Result<Ended, CheckpointError> {
-        self.run_to_by(run, steps, 1, |run, part| run.take_steps(part))
+        self.run_to_by(run, steps, 1, |run, part, _| run.take_steps(part))
     }
 
     /// As [`run_to`](Self::run_to), where `take` takes the steps, and may watch them: in parts that end at multiples of
-    /// `every` steps, counted from the very start of the simulation, and at the end.
+    /// `every` steps, counted from the very start of the simulation, and at the end. `take` is told how many steps to
+    /// take, and after how many of them to look, again and again. This is `every`, but less in the first part after a
+    /// start from a step that is no multiple: so that it looks at multiples only, as if the run had never ended.
     ///
     /// A recorder that is flushed in `take` has all rows in its file that come before a checkpoint. After a kill the
     /// file may have rows from behind the checkpoint too, which come again: let each start write a file of its own, or
@@ -109,8 +111,8 @@ impl Saving {
     /// let mut simulation = Scene::on(Sphere { r: 1.0 }).simulate(start, Rattle::new(0.01))?;
     /// let mut recorder = Recorder::of(&Columns::<3>::new().positions(), rows);
     /// let saving = Saving::to(folder.path().join("run.rattle")).every(1000);
-    /// saving.run_to_by(&mut simulation, 10_000, 100, |simulation, steps| {
-    ///     simulation.observe(steps, 100, &mut recorder)?;
+    /// saving.run_to_by(&mut simulation, 10_000, 100, |simulation, steps, every| {
+    ///     simulation.observe(steps, every, &mut recorder)?;
     ///     recorder.flush()
     /// })?;
     /// assert_eq!(recorder.finish()?.len(), 100);
@@ -124,21 +126,23 @@ impl Saving {
         run: &mut R,
         steps: u64,
         every: u64,
-        mut take: impl FnMut(&mut R, u64) -> Result<(), Error>,
+        mut take: impl FnMut(&mut R, u64, u64) -> Result<(), Error>,
     ) -> Result<Ended, CheckpointError> {
         if run.steps_taken() < steps {
             make_way(&self.path)?;
         }
         let (mut saved, least) = (Instant::now(), run.at_a_time());
-        let mut stretch = least;
+        let (mut stretch, every) = (least, every.max(1));
         while run.steps_taken() < steps {
             let now = run.steps_taken();
             let next = self.every.map_or(steps, |every| steps.min((now / every + 1).saturating_mul(every)));
             let looks = self.stop.is_some() || self.seconds.is_some();
             let end = if looks { next.min((now / stretch + 1).saturating_mul(stretch)) } else { next };
-            let end = end.checked_next_multiple_of(every.max(1)).map_or(steps, |end| steps.min(end));
+            let behind = now % every;
+            let end = if behind == 0 { end } else { now }; // the first part leads to a multiple
+            let end = end.checked_next_multiple_of(every).map_or(steps, |end| steps.min(end));
             let begun = Instant::now();
-            if let Err(error) = take(run, end - now) {
+            if let Err(error) = take(run, end - now, every - behind) {
                 run.save(&self.path)?;
                 return Err(CheckpointError::Step(Box::new(error)));
             }
