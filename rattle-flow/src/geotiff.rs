@@ -1,30 +1,27 @@
 //! Terrain as a GeoTIFF: one band of heights, north up, on square cells in metres.
 
+mod units;
+
 use crate::raster::Raster;
 use crate::read::ReadError;
+use std::collections::HashSet;
 use std::io::Cursor;
-use tiff::decoder::{Decoder, DecodingResult, Limits};
-use tiff::tags::Tag;
-use tiff::{TiffError, TiffFormatError};
+use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
+use tiff::tags::{CompressionMethod, Tag};
+use tiff::{ColorType, TiffError, TiffFormatError, TiffUnsupportedError};
+use units::Keys;
 
 /// Heights of at most so many bytes, as they lie in the file.
 const LARGEST: usize = 4 << 30;
 /// Sides of a cell that differ by less than this part are the same.
 const SQUARE: f64 = 1e-9;
-/// Keys of GeoTIFF, and what they may say (OGC 19-008, 7.1).
-const MODEL: u16 = 1024;
-const GEOGRAPHIC: u16 = 2;
-const PIXEL_IS: u16 = 1025;
-const POINT: u16 = 2;
-const UNITS: u16 = 3076;
-const SIZE_OF_UNIT: u16 = 3077;
-const UNITS_OF_HEIGHTS: u16 = 4099;
-const UNDEFINED: u16 = 0;
-const METRE: u16 = 9001;
-const OF_A_USER: u16 = 32767;
-const METRES: [&str; 6] = ["", "m", "metre", "metres", "meter", "meters"];
 /// What GDAL says of bands, as XML.
 const METADATA: Tag = Tag::Unknown(42112);
+const METRES: [&str; 6] = ["", "m", "metre", "metres", "meter", "meters"];
+/// The bit of `NewSubfileType` that marks a mask.
+const MASK: u32 = 4;
+
+type File<'a> = Decoder<Cursor<&'a [u8]>>;
 
 /// Whether a file begins as TIFF does, or as its form for large files.
 pub(crate) fn is_tiff(bytes: &[u8]) -> bool {
@@ -36,29 +33,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Raster, ReadError> {
     (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (LARGEST, LARGEST);
     let mut file = Decoder::new(Cursor::new(bytes)).map_err(wrong)?.with_limits(limits);
     let (columns, rows) = file.dimensions().map_err(wrong)?;
-    let keys = optional(file.get_tag_u16_vec(Tag::GeoKeyDirectoryTag))?.unwrap_or_default();
-    let key = |wanted| keys.as_chunks::<4>().0.iter().skip(1).find(|key| key[0] == wanted).map(|key| key[3]);
-    if key(MODEL) == Some(GEOGRAPHIC) {
-        return Err(refused("coordinates in degrees; `gdalwarp -t_srs EPSG:…` puts them into metres"));
-    }
-    let mut is_metre = false;
-    if let (Some(OF_A_USER), Some(place)) = (key(UNITS), key(SIZE_OF_UNIT)) {
-        let numbers = optional(file.get_tag_f64_vec(Tag::GeoDoubleParamsTag))?.unwrap_or_default();
-        is_metre = numbers.get(usize::from(place)) == Some(&1.0);
-    }
-    if let Some(unit) = key(UNITS).filter(|unit| !is_metre && ![METRE, UNDEFINED].contains(unit)) {
-        let unit = named(unit);
-        return Err(refused(&format!(
-            "coordinates in {unit}; `gdalwarp -t_srs EPSG:…` puts them into metres, and leaves heights as they are"
-        )));
-    }
-    if let Some(unit) = key(UNITS_OF_HEIGHTS).filter(|unit| ![METRE, UNDEFINED].contains(unit)) {
-        let unit = named(unit);
-        return Err(refused(&format!(
-            "heights in {unit}; `gdalwarp -t_srs EPSG:…+…`, with a vertical system in metres after the `+`, puts them \
-             into metres"
-        )));
-    }
+    let keys = Keys::of(&mut file)?;
+    keys.check()?;
     if let Some(metadata) = optional(file.get_tag_ascii_string(METADATA))? {
         check_band(&metadata)?;
     }
@@ -71,40 +47,128 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Raster, ReadError> {
     if !(is_square && x.is_finite() && y.is_finite()) {
         return Err(refused(&format!("cells of {cell} by {height}; `gdalwarp -tr` makes them square")));
     }
-    // The point of the map lies at a corner of a cell, or in its middle.
-    let middle = if key(PIXEL_IS) == Some(POINT) { 0.0 } else { 0.5 };
     let none = optional(file.get_tag_ascii_string(Tag::GdalNodata))?;
     let none = none.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
-    let mut heights: Vec<f64> = match file.read_image().map_err(wrong)? {
-        DecodingResult::U8(heights) => heights.into_iter().map(f64::from).collect(),
-        DecodingResult::I8(heights) => heights.into_iter().map(f64::from).collect(),
-        DecodingResult::U16(heights) => heights.into_iter().map(f64::from).collect(),
-        DecodingResult::I16(heights) => heights.into_iter().map(f64::from).collect(),
-        DecodingResult::U32(heights) => heights.into_iter().map(f64::from).collect(),
-        DecodingResult::I32(heights) => heights.into_iter().map(f64::from).collect(),
-        DecodingResult::F32(heights) => heights.into_iter().map(f64::from).collect(),
-        DecodingResult::F64(heights) => heights,
-        _ => return Err(refused("heights of another kind than 8 to 32 bits and real numbers")),
-    };
-    let (columns, rows) = (columns as usize, rows as usize);
-    if columns.checked_mul(rows) != Some(heights.len()) || heights.is_empty() {
-        return Err(refused("several bands; `gdal_translate -b 1` takes the first"));
-    }
+    let size = [columns as usize, rows as usize];
+    let bits = bits_of_heights(&mut file)?;
+    let mut heights = read_heights(&mut file, size, bits, none.map_or(0.0, |_| f64::NAN))?;
     if let Some(none) = none {
         let is_none = |height: f64| height == none || height == f64::from(none as f32); // as it was rounded
         heights.iter_mut().filter(|height| is_none(**height)).for_each(|height| *height = f64::NAN);
     }
+    // The point of the map lies at a corner of a cell, or in its middle.
+    let middle = if keys.is_of_points() { 0.0 } else { 0.5 };
+    let [columns, rows] = size;
     let first = [x + (middle - i) * cell, y - (middle - j + (rows - 1) as f64) * cell];
     Ok(Raster { columns, rows, first, cell: *cell, heights })
 }
 
-/// A unit of length by its number in EPSG.
-fn named(unit: u16) -> String {
-    match unit {
-        9002 => "feet (EPSG:9002)".into(),
-        9003 => "US survey feet (EPSG:9003)".into(),
-        OF_A_USER => "a unit that is none of EPSG".into(),
-        other => format!("the unit EPSG:{other}"),
+/// How many bits a height has. Refuses what is other than one band of heights as they are.
+fn bits_of_heights(file: &mut File) -> Result<usize, ReadError> {
+    let bands = file.find_tag_unsigned::<u16>(Tag::SamplesPerPixel).map_err(wrong)?;
+    if bands.is_some_and(|bands| bands != 1) {
+        return Err(refused("several bands; `gdal_translate -b 1` takes the first"));
+    }
+    if file.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(wrong)? == Some(0) {
+        return Err(refused(
+            "the smallest number is white, so that some programs read heights turned over; \
+             `gdal_translate -co PHOTOMETRIC=MINISBLACK in.tif out.tif` keeps the numbers and drops this",
+        ));
+    }
+    if has_mask(file)? {
+        return Err(refused(
+            "a mask says which cells have data; `gdalwarp -dstnodata -9999 in.tif out.tif` writes this into the heights",
+        ));
+    }
+    match file.colortype().map_err(wrong)? {
+        ColorType::Gray(bits @ (8 | 16 | 32 | 64)) => Ok(usize::from(bits)),
+        ColorType::Gray(bits) => Err(refused(&format!(
+            "heights of {bits} bits; `gdal_translate -ot Float64 in.tif out.tif` writes them in a usual size"
+        ))),
+        _ => Err(refused("colours in the place of heights")),
+    }
+}
+
+/// Whether one of the pictures behind the first is a mask.
+fn has_mask(file: &mut File) -> Result<bool, ReadError> {
+    let mut next = file.image_ifd().directory().next();
+    let mut seen = HashSet::new();
+    while let Some(place) = next.filter(|place| seen.insert(place.0)) {
+        let directory = file.read_directory(place).map_err(wrong)?;
+        let kind = file.read_directory_tags(&directory).find_tag_unsigned::<u32>(Tag::NewSubfileType);
+        if kind.map_err(wrong)?.is_some_and(|kind| kind & MASK != 0) {
+            return Ok(true);
+        }
+        next = directory.next();
+    }
+    Ok(false)
+}
+
+/// The heights of all strips or tiles. One that was left out of the file, for all its heights are alike, has `absent`.
+///
+/// Each is read with its padding at once. In shorter parts the end of some tiles is not found: `weezl` 0.1.12, which
+/// `tiff` 0.11.3 needs, says then that nothing was read (its issue 68, mended in 0.2.0).
+fn read_heights(
+    file: &mut File,
+    [columns, rows]: [usize; 2],
+    bits: usize,
+    absent: f64,
+) -> Result<Vec<f64>, ReadError> {
+    let count = columns.checked_mul(rows).filter(|count| *count <= LARGEST / (bits / 8));
+    let count = count.ok_or_else(|| {
+        refused(&format!(
+            "{columns} by {rows} heights are too many; `gdal_translate -srcwin` cuts a part out"
+        ))
+    })?;
+    let lengths = match file.get_chunk_type() {
+        ChunkType::Strip => Tag::StripByteCounts,
+        ChunkType::Tile => Tag::TileByteCounts,
+    };
+    let lengths = file.get_tag_u64_vec(lengths).map_err(wrong)?;
+    let [width, height] = <[u32; 2]>::from(file.chunk_dimensions()).map(|side| side as usize);
+    let across = columns.div_ceil(width);
+    let (mut heights, mut block) = (vec![0.0; count], DecodingResult::U8(Vec::new()));
+    for (i, length) in (0..).zip(lengths) {
+        let [left, top] = [i as usize % across * width, i as usize / across * height];
+        let [wide, high] = <[u32; 2]>::from(file.chunk_data_dimensions(i)).map(|side| side as usize);
+        let here =
+            heights.chunks_exact_mut(columns).skip(top).take(high).map(|row| &mut row[left..left + wide]);
+        if length == 0 {
+            here.for_each(|row| row.fill(absent));
+            continue;
+        }
+        file.read_chunk_to_buffer(&mut block, i, width * (bits / 8)).map_err(|error| {
+            refused(&format!("heights from column {left} and row {top} on: {}", told(&error)))
+        })?;
+        match &block {
+            DecodingResult::U8(from) => put(from, width, here, f64::from),
+            DecodingResult::I8(from) => put(from, width, here, f64::from),
+            DecodingResult::U16(from) => put(from, width, here, f64::from),
+            DecodingResult::I16(from) => put(from, width, here, f64::from),
+            DecodingResult::U32(from) => put(from, width, here, f64::from),
+            DecodingResult::I32(from) => put(from, width, here, f64::from),
+            DecodingResult::F32(from) => put(from, width, here, f64::from),
+            DecodingResult::F16(from) => put(from, width, here, |height| height.to_f64()),
+            DecodingResult::F64(from) => put(from, width, here, |height| height),
+            _ => {
+                return Err(refused(
+                    "integers of 64 bits; `gdal_translate -ot Float64 in.tif out.tif` writes real numbers",
+                ));
+            }
+        }
+    }
+    Ok(heights)
+}
+
+/// Rows of a block go to their places; what is behind them is padding.
+fn put<'a, T: Copy>(
+    from: &[T],
+    width: usize,
+    to: impl Iterator<Item = &'a mut [f64]>,
+    as_height: impl Fn(T) -> f64,
+) {
+    for (from, to) in from.chunks_exact(width).zip(to) {
+        to.iter_mut().zip(from).for_each(|(to, from)| *to = as_height(*from));
     }
 }
 
@@ -150,7 +214,29 @@ fn refused(what: &str) -> ReadError {
 }
 
 fn wrong(error: TiffError) -> ReadError {
-    refused(&error.to_string())
+    refused(&told(&error))
+}
+
+/// What an error of the library says, with what to try.
+fn told(error: &TiffError) -> String {
+    match error {
+        TiffError::UnsupportedError(TiffUnsupportedError::UnsupportedCompressionMethod(method)) => {
+            let method = match method {
+                CompressionMethod::Unknown(34887) => "LERC".into(),
+                CompressionMethod::Unknown(34925) => "LZMA".into(),
+                other => format!("{other:?}"),
+            };
+            format!(
+                "compression by {method} is not read; `gdal_translate -co COMPRESS=DEFLATE in.tif out.tif` writes one \
+                 that is"
+            )
+        }
+        TiffError::UnsupportedError(_) => format!(
+            "{error}; `gdal_translate -ot Float64 -co PHOTOMETRIC=MINISBLACK -co COMPRESS=DEFLATE in.tif out.tif` \
+             writes heights in a way that is read"
+        ),
+        _ => error.to_string(),
+    }
 }
 
 /// Nothing where there is no such tag.
@@ -200,6 +286,19 @@ mod tests {
         for keys in [&[][..], &[[3076, 9001], [4099, 9001]], &[[3076, 0], [4099, 0]]] {
             assert_eq!(parse(&file(keys, &[], "")).unwrap().height([505.0, 695.0]), 1.0, "{keys:?}");
         }
+        // Systems in metres whose units GDAL does not write, and one that is none of EPSG.
+        let systems = [
+            [25832, 5783],
+            [28992, 5709],
+            [6339, 5703],
+            [3857, 3855],
+            [2056, 5728],
+            [27700, 5701],
+            [32767, 32767],
+        ];
+        for [system, heights] in systems {
+            assert!(parse(&file(&[[3072, system], [4096, heights]], &[], "")).is_ok(), "{system} {heights}");
+        }
         // A unit of a user that is one metre; the key says where its size stands.
         let of_a_user = [[3076, 32767], [3077, 1]];
         assert!(parse(&file(&of_a_user, &[7.0, 1.0], "")).is_ok());
@@ -229,6 +328,22 @@ mod tests {
         told(keys(&[[3076, 9036]], 1.0), ["coordinates in the unit EPSG:9036", "`gdalwarp"]);
         told(keys(&[[3076, 32767]], 1.0), ["none of EPSG", "`gdalwarp"]);
         told(keys(&[[3076, 32767], [3077, 0]], 0.3), ["none of EPSG", "`gdalwarp"]);
+        // Of a compound system GDAL writes the numbers of its parts, and no unit.
+        told(
+            keys(&[[3072, 2263], [4096, 6360]], 1.0),
+            ["coordinates of EPSG:2263 in US survey feet", "`gdalwarp"],
+        );
+        told(
+            keys(&[[3072, 26910], [4096, 6360]], 1.0),
+            ["heights of EPSG:6360 in feet", "`gdalwarp -t_srs EPSG:…+…`"],
+        );
+        told(
+            keys(&[[3072, 26910], [4096, 8228]], 1.0),
+            ["heights of EPSG:8228 in feet", "`gdalwarp -t_srs EPSG:…+…`"],
+        );
+        told(keys(&[[3072, 2136]], 1.0), ["coordinates of EPSG:2136 in the unit of 0.30479971", "`gdalwarp"]);
+        told(keys(&[[3072, 30000]], 1.0), ["EPSG:30000, and its unit is not known", "`gdal_edit.py -a_srs"]);
+        told(keys(&[[3072, 26910], [4096, 5715]], 1.0), ["heights of EPSG:5715", "`gdal_edit.py -a_srs"]);
         let metres = [3076, 9001];
         told(keys(&[metres, [4099, 9002]], 1.0), ["heights in feet (EPSG:9002)", "`gdalwarp"]);
         told(keys(&[metres, [4099, 32767]], 1.0), ["heights in a unit that is none", "`gdalwarp"]);

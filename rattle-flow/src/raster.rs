@@ -24,8 +24,9 @@ pub struct Raster {
 
 impl Raster {
     /// Reads a file: an ASCII grid, or with the feature `geotiff` a GeoTIFF of one band, north up, on square cells in
-    /// metres. A GeoTIFF that names other units, or a scale or an offset of heights, is refused; one that names no
-    /// units counts as in metres.
+    /// metres. A GeoTIFF that names other units or a system in other units, or a scale or an offset of heights, is
+    /// refused. One that names neither units nor a system counts as in metres. Where blocks of a GeoTIFF were left out,
+    /// there are no data, or the height is 0 if no number stands for no data.
     ///
     /// # Errors
     /// [`ReadError`], for an ASCII grid with the number of the line.

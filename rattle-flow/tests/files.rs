@@ -154,7 +154,9 @@ fn paraview_gets_what_was_there() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// Rasters that GDAL 3.10.3 wrote (by rasterio 1.4.4): four rows of six heights, the one in the north-east missing.
+/// Rasters that GDAL 3.10.3 wrote (by rasterio 1.4.4): four rows of six heights, the one in the north-east missing; or
+/// as said where they are read. Options of GDAL: `GDAL_TIFF_INTERNAL_MASK`, `PHOTOMETRIC=MINISWHITE`,
+/// `INTERLEAVE=BAND`, `NBITS=4`, `NBITS=16` and `COMPRESS=ZSTD` for those named so.
 fn by_gdal(name: &str) -> std::path::PathBuf {
     std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
 }
@@ -178,6 +180,37 @@ fn geotiff_is_the_terrain_that_gdal_wrote() {
     }
 }
 
+/// Blocks of 16 by 16 that GDAL left out of twenty rows of forty (`SPARSE_OK=TRUE`): no data where a number stands for
+/// them, else 0.
+#[test]
+fn blocks_that_are_left_out_are_read_as_gdal_does() {
+    for name in ["sparse.tif", "sparse_none.tif"] {
+        let raster = Raster::read(by_gdal(name)).unwrap();
+        for (row, column) in (0..20).flat_map(|row| (0..40).map(move |column| (row, column))) {
+            let found = raster.height([1005.0 + 10.0 * f64::from(column), 535.0 - 10.0 * f64::from(row)]);
+            let written = f64::from(10 * row + column + row * column / 4);
+            let is_right = match (row < 16 && (16..32).contains(&column), name) {
+                (false, _) => found == written,
+                (true, "sparse.tif") => found == 0.0,
+                (true, _) => found.is_nan(),
+            };
+            assert!(is_right, "{name}: {found} at {row}, {column}");
+        }
+    }
+}
+
+/// Tiles of LZW with a predictor (30 rows of 40 integers), which `tiff` does not read row by row; 16 bits a number.
+#[test]
+fn geotiff_is_read_tile_by_tile() {
+    let raster = Raster::read(by_gdal("int_lzw_predictor.tif")).unwrap();
+    for (row, column) in (0..30).flat_map(|row| (0..40).map(move |column| (row, column))) {
+        let found = raster.height([1005.0 + 10.0 * f64::from(column), 535.0 - 10.0 * f64::from(row)]);
+        assert_eq!(found, -f64::from(10 * row + column + row * column / 4), "{row}, {column}");
+    }
+    let raster = Raster::read(by_gdal("sixteen_bits.tif")).unwrap();
+    assert_eq!([raster.height([1055.0, 505.0]), raster.height([1015.0, 525.0])], [38.75, 11.25]);
+}
+
 #[test]
 fn geotiff_that_is_no_terrain_is_refused() {
     let cases = [
@@ -185,6 +218,11 @@ fn geotiff_that_is_no_terrain_is_refused() {
         ("oblong.tif", "cells of 10 by 12; `gdalwarp -tr`"),
         ("turned.tif", "`gdalwarp` makes rasters north up"),
         ("two_bands.tif", "several bands; `gdal_translate -b 1`"),
+        ("bands_apart.tif", "several bands; `gdal_translate -b 1`"),
+        ("mask.tif", "a mask says which cells have data; `gdalwarp -dstnodata -9999 in.tif out.tif`"),
+        ("min_is_white.tif", "`gdal_translate -co PHOTOMETRIC=MINISBLACK in.tif out.tif`"),
+        ("four_bits.tif", "heights of 4 bits; `gdal_translate -ot Float64 in.tif out.tif`"),
+        ("zstd.tif", "compression by ZSTD is not read; `gdal_translate -co COMPRESS=DEFLATE in.tif out.tif`"),
     ];
     for (name, what) in cases {
         let error = Raster::read(by_gdal(name)).unwrap_err().to_string();
@@ -193,9 +231,9 @@ fn geotiff_that_is_no_terrain_is_refused() {
     // Whatever is damaged: a raster or an error, soon.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("damaged.tif");
-    for name in ["float_deflate.tif", "int_lzw_tiled.tif"] {
+    for name in ["float_deflate.tif", "int_lzw_tiled.tif", "mask.tif", "sixteen_bits.tif", "sparse.tif"] {
         let whole = std::fs::read(by_gdal(name)).unwrap();
-        let read = format!("{:?}", Raster::read(by_gdal(name)).unwrap());
+        let read = Raster::read(by_gdal(name)).map_or(String::new(), |raster| format!("{raster:?}"));
         for at in 0..whole.len() {
             let mut damaged = whole.clone();
             damaged[at] ^= 1 << (at % 8);
