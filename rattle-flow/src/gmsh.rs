@@ -2,7 +2,7 @@
 
 use crate::mesh::{Mesh, signed_area};
 use crate::read::{ReadError, Words, file};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// Gmsh's number for triangles with three nodes.
@@ -11,12 +11,12 @@ const TRIANGLE: usize = 2;
 const NODES: [usize; 15] = [2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1];
 
 impl Mesh {
-    /// Reads the triangles of a file written by Gmsh, projected to the plane. Other elements, and nodes that belong to
-    /// no triangle, are left out; the remaining nodes are renumbered in order. If all triangles are clockwise, they are
-    /// reversed.
+    /// Reads the triangles of a file written by Gmsh, projected to the plane. Points, lines and solids, and nodes that
+    /// belong to no triangle, are left out. The remaining nodes are renumbered in order. If all triangles are
+    /// clockwise, they are reversed. A triangle that is written once for each of its physical groups is one triangle.
     ///
     /// # Errors
-    /// [`ReadError`], with the number of the line.
+    /// [`ReadError`], with the number of the line. [`ReadError::Hole`] for quadrangles and elements of higher order.
     #[doc(alias = "load")]
     #[doc(alias = "msh")]
     pub fn read_gmsh(path: impl AsRef<Path>) -> Result<Mesh, ReadError> {
@@ -107,7 +107,21 @@ fn corners(words: &mut Words) -> Result<[u64; 3], ReadError> {
     Ok([corner()?, corner()?, corner()?])
 }
 
+/// Reads past an element that is none of a surface.
 fn skipped(words: &mut Words, kind: usize) -> Result<(), ReadError> {
+    let hole = |found, advice| Err(ReadError::Hole { line: words.line(), found, advice });
+    match kind {
+        3 | 10 | 16 => {
+            return hole("a quadrangle", "mesh it without `Recombine Surface` and `Mesh.RecombineAll`");
+        }
+        9 | 20..=25 => {
+            return hole(
+                "a triangle of higher order",
+                "`gmsh -2 -order 1 in.geo -o out.msh` makes plain ones",
+            );
+        }
+        _ => {}
+    }
     let Some(&count) = kind.checked_sub(1).and_then(|kind| NODES.get(kind)) else {
         return Err(words.wrong("a kind of element from 1 to 15", &kind.to_string()));
     };
@@ -143,8 +157,14 @@ fn read_triangles(words: &mut Words, is_new: Option<bool>) -> Result<Vec<[u64; 3
     Ok(triangles)
 }
 
-fn built(nodes: Vec<Node>, named: Vec<[u64; 3]>) -> Result<Mesh, ReadError> {
-    let used: std::collections::HashSet<u64> = named.iter().flatten().copied().collect();
+fn built(nodes: Vec<Node>, mut named: Vec<[u64; 3]>) -> Result<Mesh, ReadError> {
+    let mut seen = HashSet::new();
+    named.retain(|corners| {
+        let mut corners = *corners;
+        corners.sort_unstable();
+        seen.insert(corners)
+    });
+    let used: HashSet<u64> = named.iter().flatten().copied().collect();
     let nodes: Vec<Node> = nodes.into_iter().filter(|(name, _)| used.contains(name)).collect();
     let index: HashMap<u64, u32> = nodes.iter().enumerate().map(|(i, (name, _))| (*name, i as u32)).collect();
     let points: Vec<[f64; 2]> = nodes.iter().map(|(_, place)| *place).collect();

@@ -7,6 +7,13 @@ use std::path::Path;
 /// The height of cells without data in an ASCII grid that names none (ESRI, ASCII raster format).
 const NONE: f64 = -9999.0;
 
+/// What ESRI's `cellsize` says, and GDAL's `dx` and `dy` need not.
+const SQUARES: &str = "square cells (`gdalwarp -tr` makes them, `gdal_translate -of AAIGrid` writes them)";
+/// No height of a terrain is as large: such numbers stand for no data, and are written with more or fewer digits.
+const HUGE: f64 = 1e30;
+/// What numbers of six digits may differ by.
+const SIX_DIGITS: f64 = 1e-5;
+
 /// Heights at the centres of square cells. A cell without data has the height NaN.
 #[doc(alias = "DEM")]
 #[doc(alias = "terrain")]
@@ -41,7 +48,8 @@ impl Raster {
     }
 
     /// Reads an ASCII grid from the text of a file. Cells of the height `NODATA_value` are without data; where the file
-    /// does not name it, this is −9999, as ESRI defines it.
+    /// does not name it, this is −9999, as ESRI defines it. Where it is above 10³⁰ in size, as −3.4e38 is, the first six
+    /// digits decide.
     ///
     /// ```
     /// use rattle_flow::Raster;
@@ -59,18 +67,27 @@ impl Raster {
         let mut words = Words::of(text);
         let (mut columns, mut rows, mut cell) = (None, None, None);
         let (mut x, mut y, mut none) = (None, None, NONE);
+        let mut sides = [None; 2];
         let start = loop {
             let Some(word) = words.next() else { return Err(words.wrong("heights", "")) };
             match word.to_ascii_lowercase().as_str() {
                 "ncols" => columns = Some(words.number::<usize>("the number of columns")?),
                 "nrows" => rows = Some(words.number::<usize>("the number of rows")?),
-                "cellsize" => cell = Some(words.number::<f64>("the size of a cell")?),
-                "xllcorner" => x = Some((words.number::<f64>("a coordinate")?, 0.5)),
-                "yllcorner" => y = Some((words.number::<f64>("a coordinate")?, 0.5)),
-                "xllcenter" => x = Some((words.number::<f64>("a coordinate")?, 0.0)),
-                "yllcenter" => y = Some((words.number::<f64>("a coordinate")?, 0.0)),
+                "cellsize" => cell = Some(side(&mut words)?),
+                "dx" => sides[0] = Some(side(&mut words)?),
+                "dy" => sides[1] = Some(side(&mut words)?),
+                "xllcorner" => x = Some((coordinate(&mut words)?, 0.5)),
+                "yllcorner" => y = Some((coordinate(&mut words)?, 0.5)),
+                "xllcenter" => x = Some((coordinate(&mut words)?, 0.0)),
+                "yllcenter" => y = Some((coordinate(&mut words)?, 0.0)),
                 "nodata_value" => none = words.number::<f64>("the height that is none")?,
                 _ => break word,
+            }
+            if let [Some(dx), Some(dy)] = sides {
+                if dx != dy {
+                    return Err(words.wrong(SQUARES, &format!("dx {dx} and dy {dy}")));
+                }
+                cell = Some(dx);
             }
         };
         let columns = columns.ok_or(ReadError::Missing { section: "ncols" })?;
@@ -78,18 +95,19 @@ impl Raster {
         let cell = cell.ok_or(ReadError::Missing { section: "cellsize" })?;
         let (x, of_x) = x.ok_or(ReadError::Missing { section: "xllcorner" })?;
         let (y, of_y) = y.ok_or(ReadError::Missing { section: "yllcorner" })?;
-        let count = columns.checked_mul(rows).filter(|_| cell > 0.0 && cell.is_finite());
         if columns == 0 || rows == 0 {
             return Err(words.wrong("one column and one row at least", "none"));
         }
-        let Some(count) = count.filter(|count| *count <= text.len()) else {
+        let Some(count) = columns.checked_mul(rows).filter(|count| *count <= text.len()) else {
             return Err(words.wrong("a size with as many cells as there are heights", "a larger one"));
         };
+        let slack = if none.is_finite() && none.abs() > HUGE { SIX_DIGITS * none.abs() } else { 0.0 };
         let mut heights = Vec::with_capacity(count);
         for i in 0..count {
             let word = if i == 0 { start } else { words.next().unwrap_or("") };
             let height: f64 = word.parse().map_err(|_| words.wrong("a height", word))?;
-            heights.push(if height == none { f64::NAN } else { height });
+            let is_none = height == none || (height - none).abs() <= slack;
+            heights.push(if is_none { f64::NAN } else { height });
         }
         if let Some(word) = words.next() {
             return Err(words.wrong("the end of the file", word));
@@ -156,6 +174,18 @@ impl Raster {
         });
         Ok((Mesh::new(points, triangles.collect())?, heights))
     }
+}
+
+/// The next word as the side of a cell.
+fn side(words: &mut Words) -> Result<f64, ReadError> {
+    let side = words.number::<f64>("the size of a cell")?;
+    let is_side = side > 0.0 && side.is_finite();
+    if is_side { Ok(side) } else { Err(words.wrong("the size of a cell, above 0", &side.to_string())) }
+}
+
+fn coordinate(words: &mut Words) -> Result<f64, ReadError> {
+    let place = words.number::<f64>("a coordinate")?;
+    if place.is_finite() { Ok(place) } else { Err(words.wrong("a finite coordinate", &place.to_string())) }
 }
 
 /// a + s (b − a), and a or b itself at the ends, whatever the other is.

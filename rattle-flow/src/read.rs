@@ -25,6 +25,16 @@ pub enum ReadError {
         /// What was found; nothing at the end of the file.
         found: String,
     },
+    /// An element of a mesh that is no triangle of three vertices, and would be a hole if it were left out.
+    #[error("line {line}: {found} would be a hole in the mesh of triangles; {advice}")]
+    Hole {
+        /// Its line, from 1.
+        line: usize,
+        /// What it is.
+        found: &'static str,
+        /// How to get triangles.
+        advice: &'static str,
+    },
     /// A part of the file is missing.
     #[error("there is no `{section}` in the file")]
     Missing {
@@ -57,7 +67,9 @@ pub(crate) struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
+    /// Without the mark of byte order that editors of Windows put before a text.
     pub(crate) fn of(text: &'a str) -> Self {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         Words { lines: text.lines().enumerate(), here: "".split_whitespace(), line: 0 }
     }
 
@@ -76,6 +88,11 @@ impl<'a> Words<'a> {
     pub(crate) fn number<T: std::str::FromStr>(&mut self, expected: &'static str) -> Result<T, ReadError> {
         let found = self.next().unwrap_or("");
         found.parse().map_err(|_| self.wrong(expected, found))
+    }
+
+    /// The line of the last word, from 1.
+    pub(crate) fn line(&self) -> usize {
+        self.line
     }
 
     pub(crate) fn wrong(&self, expected: &'static str, found: &str) -> ReadError {

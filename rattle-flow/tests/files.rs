@@ -46,6 +46,89 @@ fn what_is_wrong_with_a_file_is_named_with_its_line() {
     assert!(matches!(Mesh::read_gmsh("no/such/file"), Err(ReadError::Io { .. })));
 }
 
+/// What would be a hole in the mesh is refused, in both versions and whatever its order.
+#[test]
+fn surfaces_of_gmsh_that_are_no_triangles_are_refused() {
+    let old = |element: &str| SQUARE.replace("4 2 2 0 1 10 30 40", element);
+    let new = |kind: &str, nodes: &str| {
+        SQUARE_4.replace("2 1 2 2\n2 10 30 20", &format!("2 1 {kind} 2\n2 {nodes}"))
+    };
+    let cases = [
+        (old("4 3 2 0 1 10 30 40 99"), 21, "a quadrangle", "`Recombine Surface`"),
+        (old("4 9 2 0 1 10 30 40 99 99 99"), 21, "a triangle of higher order", "`gmsh -2 -order 1"),
+        (old("4 21 2 0 1 10 30 40 99 99 99 99 99 99 99"), 21, "a triangle of higher order", "-order 1"),
+        (new("3", "10 30 20 40"), 26, "a quadrangle", "`Mesh.RecombineAll`"),
+    ];
+    for (text, line, found, advice) in cases {
+        let error = Mesh::from_gmsh(&text).unwrap_err();
+        assert!(error.to_string().contains(advice), "{error}");
+        assert!(
+            matches!(error, ReadError::Hole { line: l, found: f, .. } if l == line && f == found),
+            "{error}"
+        );
+    }
+}
+
+/// Version 2.2 writes an element once for each physical group that it belongs to.
+#[test]
+fn triangles_of_two_groups_are_read_once() {
+    let text = SQUARE.replace("$Elements\n4\n", "$Elements\n6\n");
+    let text = text.replace("$EndElements", "5 2 2 7 1 10 20 30\n6 2 2 7 1 40 10 30\n$EndElements");
+    let (once, twice) = (Mesh::from_gmsh(SQUARE).unwrap(), Mesh::from_gmsh(&text).unwrap());
+    assert_eq!(once.triangles(), twice.triangles());
+    let other = text.replace("6 2 2 7 1 40 10 30", "6 2 2 7 1 10 20 40");
+    assert!(matches!(Mesh::from_gmsh(&other), Err(ReadError::Mesh(MeshError::Overlap { .. }))));
+}
+
+/// The mark of byte order that editors of Windows put before a text.
+#[test]
+fn a_mark_of_byte_order_is_passed_over() {
+    let marked = |text: &str| format!("\u{feff}{text}");
+    assert_eq!(Mesh::from_gmsh(&marked(SQUARE)).unwrap().points().len(), 4);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("marked.asc");
+    std::fs::write(&path, marked(&grid("", "1 2\n3 4\n"))).unwrap();
+    assert_eq!(Raster::read(path).unwrap().height([0.5, 0.5]), 3.0);
+}
+
+/// An ASCII grid of two by two cells.
+fn grid(more: &str, heights: &str) -> String {
+    format!("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n{more}{heights}")
+}
+
+#[test]
+fn headers_of_ascii_grids_mean_what_their_writers_meant() {
+    // The least number of 32 bits, by GDAL and by programs that write six digits.
+    let least = "-3.4028234663852886e+38";
+    for none in ["-3.40282e+38", "-3.4028235e+38", least] {
+        let raster =
+            Raster::parse(&grid(&format!("NODATA_value {none}\n"), &format!("1 {least}\n3 4\n"))).unwrap();
+        assert!(raster.height([1.5, 1.5]).is_nan() && raster.height([0.5, 1.5]) == 1.0, "{none}");
+    }
+    let near = Raster::parse(&grid("NODATA_value 5\n", "5 5.0000001\n3 4\n")).unwrap();
+    assert!(near.height([0.5, 1.5]).is_nan() && near.height([1.5, 1.5]) == 5.0000001, "near it is not at it");
+    let all = Raster::parse(&grid("NODATA_value -inf\n", "1 2\n3 4\n")).unwrap();
+    assert!(all.height([1.0, 1.0]) == 2.5);
+
+    let sides = |sides: &str| grid("", "1 2\n3 4\n").replace("cellsize 1\n", sides);
+    assert_eq!(Raster::parse(&sides("dx 10.0\ndy 10\n")).unwrap().height([10.0, 10.0]), 2.5);
+    let cases = [
+        (sides("dx 10\ndy 12\n"), 6, "`gdalwarp -tr`", "dx 10 and dy 12"),
+        (sides("cellsize -1\n"), 5, "above 0", "-1"),
+        (sides("cellsize 0\n"), 5, "above 0", "0"),
+        (sides("cellsize inf\n"), 5, "above 0", "inf"),
+        (sides("cellsize 1\n").replace("xllcorner 0", "xllcorner nan"), 3, "a finite coordinate", "NaN"),
+        (sides("cellsize 1\n").replace("yllcorner 0", "yllcenter inf"), 4, "a finite coordinate", "inf"),
+    ];
+    for (text, line, wanted, word) in cases {
+        let error = Raster::parse(&text).unwrap_err();
+        assert!(
+            matches!(&error, ReadError::Word { line: l, expected, found } if *l == line && expected.contains(wanted) && found == word),
+            "{error}"
+        );
+    }
+}
+
 #[test]
 fn what_is_no_mesh_is_refused() {
     let points = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [1.0, 0.0], [1.0, -1.0]];
