@@ -17,7 +17,7 @@ use std::fmt::Write;
 ///     simulation.step()?;
 ///     page.add(simulation.time(), simulation.depth())?;
 /// }
-/// let html = page.caption("A second of it.").units("m", "s").to_html();
+/// let html = page.caption("A second of it.").units("m", "s").to_html()?;
 /// assert!(html.contains("A dam breaks") && !html.contains("http"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -25,6 +25,7 @@ use std::fmt::Write;
 pub struct Page {
     title: String,
     caption: String,
+    /// Vertices from the middle of all.
     points: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
     times: Vec<f64>,
@@ -37,11 +38,18 @@ pub struct Page {
 impl Page {
     /// A page without depths; [`add`](Page::add) adds them.
     pub fn new(title: impl Into<String>, flow: &Flow) -> Self {
-        let places = flow.mesh().points().iter().zip(flow.bed());
+        let places = || flow.mesh().points().iter().zip(flow.bed()).map(|([x, y], b)| [*x, *y, *b]);
+        // From the middle, before they are rounded: coordinates of maps lie millions of metres from their zero.
+        let middle = [0, 1, 2].map(|i| {
+            let along = || places().map(move |place| place[i]);
+            let (low, high) =
+                (along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max));
+            low + 0.5 * (high - low)
+        });
         Page {
             title: title.into(),
             caption: String::new(),
-            points: places.map(|([x, y], b)| [*x as f32, *y as f32, *b as f32]).collect(),
+            points: places().map(|place| [0, 1, 2].map(|i| (place[i] - middle[i]) as f32)).collect(),
             triangles: flow.mesh().triangles().to_vec(),
             times: Vec::new(),
             depths: Vec::new(),
@@ -94,7 +102,12 @@ impl Page {
     }
 
     /// The page as text. It holds depths rounded to 1/65535 of the largest one.
-    pub fn to_html(&self) -> String {
+    ///
+    /// # Errors
+    /// [`FlowError::Number`] for an exaggeration that is not finite, and a number of seconds that is not above 0.
+    pub fn to_html(&self) -> Result<String, FlowError> {
+        number("the vertical exaggeration on a page", self.lift, true, "a finite number")?;
+        number("the seconds that a page plays", self.seconds, self.seconds > 0.0, "a finite number above 0")?;
         let deepest = self.depths.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let shares = self.depths.iter().map(|h| (h.max(0.0) / deepest * 65535.0).round() as u16);
         let depths = encoded(shares.flat_map(u16::to_le_bytes));
@@ -109,18 +122,23 @@ impl Page {
             r#"{{"times":{times:?},"deepest":{deepest:e},"film":{film:e},"lift":{lift},"seconds":{seconds},"length":{length},"time":{time},"#
         );
         let _ = write!(data, r#""points":"{points}","triangles":"{triangles}","depths":"{depths}"}}"#);
-        include_str!("page.html")
+        Ok(include_str!("page.html")
             .replace("__TITLE__", &escaped(&self.title))
             .replace("__CAPTION__", &escaped(&self.caption))
-            .replace("__DATA__", &data)
+            .replace("__DATA__", &data))
     }
 
     /// Writes the page to a file.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Those of the file system, and [`InvalidInput`](std::io::ErrorKind::InvalidInput) for those of
+    /// [`to_html`](Page::to_html).
     pub fn write(&self, path: impl AsRef<std::path::Path>) -> std::io::Result<()> {
-        std::fs::write(path, self.to_html())
+        let html = self.to_html();
+        std::fs::write(
+            path,
+            html.map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidInput, error))?,
+        )
     }
 }
 

@@ -1,6 +1,7 @@
 //! Meshes, rasters and pictures: read back what is written, and name what is wrong.
 
-use rattle_flow::{Flow, Mesh, MeshError, Raster, ReadError, Resistance, vtu};
+use base64::prelude::{BASE64_STANDARD, Engine};
+use rattle_flow::{Flow, FlowError, Mesh, MeshError, Page, Raster, ReadError, Resistance, vtu};
 
 const SQUARE: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"water\"\n$EndPhysicalNames\n$Nodes\n5\n\
     10 0 0 0\n20 1 0 0\n30 1 1 0\n40 0 1 0\n99 7 7 0\n$EndNodes\n$Elements\n4\n1 15 2 0 1 10\n2 1 2 0 1 10 20\n\
@@ -126,6 +127,59 @@ fn headers_of_ascii_grids_mean_what_their_writers_meant() {
             matches!(&error, ReadError::Word { line: l, expected, found } if *l == line && expected.contains(wanted) && found == word),
             "{error}"
         );
+    }
+}
+
+/// Cells of 10 cm far from zero, as on maps: no triangle of the page is flat, and lengths are right.
+#[test]
+fn a_page_of_a_map_keeps_its_shape() {
+    let text = grid("", &"1500.25 1500.5 1500.75 1501\n".repeat(3));
+    let text = text.replace("ncols 2\nnrows 2", "ncols 4\nnrows 3").replace("cellsize 1", "cellsize 0.1");
+    let raster = Raster::parse(
+        &text.replace("xllcorner 0", "xllcorner 512345").replace("yllcorner 0", "yllcorner 5412345"),
+    );
+    let (mesh, heights) = raster.unwrap().mesh().unwrap();
+    let raster = Raster::parse(&text).unwrap();
+    let flow = Flow::over(mesh, Resistance::Manning).terrain(move |[x, y]| {
+        raster.height([x - 512345.0, y - 5412345.0].map(|x| (x * 20.0).round() / 20.0))
+    });
+    let mut page = Page::new("A map", &flow);
+    page.add(0.0, &vec![0.1; heights.len()]).unwrap();
+    let html = page.to_html().unwrap();
+    let data = html.split("\"points\":\"").nth(1).unwrap().split('"').next().unwrap();
+    let numbers = BASE64_STANDARD.decode(data).unwrap();
+    let numbers: Vec<f64> = numbers.as_chunks().0.iter().map(|x| f64::from(f32::from_le_bytes(*x))).collect();
+    let points = numbers.as_chunks::<3>().0;
+    assert_eq!(points.len(), 12);
+    for corners in flow.mesh().triangles() {
+        let [a, b, c] = corners.map(|corner| points[corner as usize]);
+        let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+        assert!((area - 0.005).abs() < 1e-8, "{area} at {a:?}");
+    }
+    let first = flow.mesh().points()[0];
+    for (place, [x, y, b]) in flow.mesh().points().iter().zip(points) {
+        let expected = [place[0] - first[0], place[1] - first[1]];
+        assert!(
+            (x - points[0][0] - expected[0]).abs() < 1e-7 && (y - points[0][1] - expected[1]).abs() < 1e-7
+        );
+        assert!((b - points[0][2] - 2.5 * expected[0]).abs() < 1e-6, "{b}");
+    }
+
+    let told = |page: &Page| page.to_html().unwrap_err().to_string();
+    for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let page = page.clone().seconds(seconds);
+        assert!(
+            matches!(page.to_html(), Err(FlowError::Number { what: "the seconds that a page plays", .. })),
+            "{}",
+            told(&page)
+        );
+        let folder = tempfile::tempdir().unwrap();
+        let error = page.write(folder.path().join("page.html")).unwrap_err();
+        assert_eq!((error.kind(), error.to_string()), (std::io::ErrorKind::InvalidInput, told(&page)));
+    }
+    for lift in [f64::NAN, f64::NEG_INFINITY] {
+        let error = told(&page.clone().lift(lift));
+        assert!(error.starts_with("the vertical exaggeration on a page is"), "{error}");
     }
 }
 
