@@ -33,8 +33,11 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Raster, ReadError> {
     (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (LARGEST, LARGEST);
     let mut file = Decoder::new(Cursor::new(bytes)).map_err(wrong)?.with_limits(limits);
     let (columns, rows) = file.dimensions().map_err(wrong)?;
-    let keys = Keys::of(&mut file)?;
-    keys.check()?;
+    let keys = Keys {
+        keys: optional(file.get_tag_u16_vec(Tag::GeoKeyDirectoryTag))?.unwrap_or_default(),
+        numbers: optional(file.get_tag_f64_vec(Tag::GeoDoubleParamsTag))?.unwrap_or_default(),
+    };
+    keys.check().map_err(|what| refused(&what))?;
     if let Some(metadata) = optional(file.get_tag_ascii_string(METADATA))? {
         check_band(&metadata)?;
     }

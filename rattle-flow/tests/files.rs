@@ -365,24 +365,26 @@ fn geotiff_that_is_no_terrain_is_refused() {
         let error = Raster::read(by_gdal(name)).unwrap_err().to_string();
         assert!(error.starts_with("GeoTIFF: ") && error.contains(what), "{name}: {error}");
     }
-    // Whatever is damaged: a raster or an error, soon.
+    // Whatever is damaged: a raster or an error, soon. Each in a file of its own: to write one over waits for the disk.
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("damaged.tif");
     for name in ["float_deflate.tif", "int_lzw_tiled.tif", "mask.tif", "sixteen_bits.tif", "sparse.tif"] {
         let whole = std::fs::read(by_gdal(name)).unwrap();
-        let read = Raster::read(by_gdal(name)).map_or(String::new(), |raster| format!("{raster:?}"));
+        let text = |raster: Result<Raster, ReadError>| raster.ok().map(|raster| format!("{raster:?}"));
+        let sound = text(Raster::read(by_gdal(name)));
+        let read = |bytes: &[u8], file: String| {
+            let path = folder.path().join(file);
+            std::fs::write(&path, bytes).unwrap();
+            let read = text(Raster::read(&path));
+            std::fs::remove_file(path).unwrap();
+            read
+        };
         for at in 0..whole.len() {
             let mut damaged = whole.clone();
             damaged[at] ^= 1 << (at % 8);
-            std::fs::write(&path, &damaged).unwrap();
-            let _ = Raster::read(&path);
-            std::fs::write(&path, &whole[..at]).unwrap();
+            read(&damaged, format!("{at}.tif"));
             // What stands behind the last height, a check sum or the rest of a tile, is not needed.
-            let cut = Raster::read(&path).ok().map(|raster| format!("{raster:?}"));
-            assert!(
-                cut.is_none_or(|cut| at > whole.len() / 2 && cut == read),
-                "{name}: the first {at} bytes"
-            );
+            let cut = read(&whole[..at], format!("{at}_cut.tif"));
+            assert!(cut.is_none() || at > whole.len() / 2 && cut == sound, "{name}: the first {at} bytes");
         }
     }
 }

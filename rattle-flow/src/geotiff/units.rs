@@ -1,9 +1,5 @@
 //! Units of coordinates and heights, by the keys of GeoTIFF (OGC 19-008, 7.1) and the numbers of EPSG.
 
-use super::{File, optional, refused};
-use crate::read::ReadError;
-use tiff::tags::Tag;
-
 const MODEL: u16 = 1024;
 const GEOGRAPHIC: u16 = 2;
 const PIXEL_IS: u16 = 1025;
@@ -19,19 +15,13 @@ const OF_A_USER: u16 = 32767;
 
 /// What the file says of its coordinates.
 pub(super) struct Keys {
-    keys: Vec<u16>,
+    /// The directory of keys, four numbers for each.
+    pub keys: Vec<u16>,
     /// Where the size of the unit of a user stands.
-    numbers: Vec<f64>,
+    pub numbers: Vec<f64>,
 }
 
 impl Keys {
-    pub(super) fn of(file: &mut File) -> Result<Keys, ReadError> {
-        Ok(Keys {
-            keys: optional(file.get_tag_u16_vec(Tag::GeoKeyDirectoryTag))?.unwrap_or_default(),
-            numbers: optional(file.get_tag_f64_vec(Tag::GeoDoubleParamsTag))?.unwrap_or_default(),
-        })
-    }
-
     /// The number that stands last in the entry of a key.
     fn last(&self, wanted: u16) -> Option<u16> {
         self.keys.as_chunks::<4>().0.iter().skip(1).find(|key| key[0] == wanted).map(|key| key[3])
@@ -47,10 +37,10 @@ impl Keys {
         self.get(PIXEL_IS) == Some(POINT)
     }
 
-    /// Refuses what is not in metres.
-    pub(super) fn check(&self) -> Result<(), ReadError> {
+    /// An error for what is not in metres, with what to try.
+    pub(super) fn check(&self) -> Result<(), String> {
         if self.get(MODEL) == Some(GEOGRAPHIC) {
-            return Err(refused("coordinates in degrees; `gdalwarp -t_srs EPSG:…` puts them into metres"));
+            return Err("coordinates in degrees; `gdalwarp -t_srs EPSG:…` puts them into metres".into());
         }
         let named = |key| self.get(key).filter(|system| *system != OF_A_USER);
         match self.get(UNITS) {
@@ -71,16 +61,14 @@ impl Keys {
     }
 }
 
-fn coordinates(what: &str) -> ReadError {
-    refused(&format!(
-        "{what}; `gdalwarp -t_srs EPSG:…` puts them into metres, and leaves heights as they are"
-    ))
+fn coordinates(what: &str) -> String {
+    format!("{what}; `gdalwarp -t_srs EPSG:…` puts them into metres, and leaves heights as they are")
 }
 
-fn heights(what: &str) -> ReadError {
-    refused(&format!(
+fn heights(what: &str) -> String {
+    format!(
         "{what}; `gdalwarp -t_srs EPSG:…+…`, with a vertical system in metres after the `+`, puts them into metres"
-    ))
+    )
 }
 
 /// A unit of length by its number in EPSG.
@@ -94,7 +82,7 @@ fn unit_of(unit: u16) -> String {
 }
 
 /// Of a compound system GDAL writes the numbers of the two that it is made of, and no units.
-fn check_system(system: u16) -> Result<(), ReadError> {
+fn check_system(system: u16) -> Result<(), String> {
     let definition = crs_definitions::from_code(system).map_or("", |found| found.proj4);
     let word = |name: &str| definition.split_whitespace().find_map(|word| word.strip_prefix(name));
     let unit = match (word("+units="), word("+to_meter=")) {
@@ -104,10 +92,10 @@ fn check_system(system: u16) -> Result<(), ReadError> {
         (Some(unit), None) => format!("`{unit}`"),
         (_, Some(size)) => format!("the unit of {size} m"),
         (None, None) => {
-            return Err(refused(&format!(
+            return Err(format!(
                 "coordinates of EPSG:{system}, and its unit is not known here; `gdal_edit.py -a_srs EPSG:{system} \
                  in.tif` writes it into the file, as of heights in metres"
-            )));
+            ));
         }
     };
     Err(coordinates(&format!("coordinates of EPSG:{system} in {unit}")))
@@ -115,7 +103,7 @@ fn check_system(system: u16) -> Result<(), ReadError> {
 
 /// As [`check_system`], by the vertical systems of EPSG 12.029.
 #[rustfmt::skip]
-fn check_system_of_heights(system: u16) -> Result<(), ReadError> {
+fn check_system_of_heights(system: u16) -> Result<(), String> {
     match system {
         // Heights in metres, upwards.
         3855 | 3886 | 3900 | 4440 | 4458 | 5193 | 5195 | 5214 | 5237 | 5317 | 5597 | 5600..=5611 | 5613 | 5615..=5621 |
@@ -129,9 +117,9 @@ fn check_system_of_heights(system: u16) -> Result<(), ReadError> {
         5702 | 5754 | 6130..=6132 | 6360 | 8050 | 8052 | 8228 | 10919 => {
             Err(heights(&format!("heights of EPSG:{system} in feet")))
         }
-        _ => Err(refused(&format!(
+        _ => Err(format!(
             "heights of EPSG:{system}, of which it is not known here that they are in metres upwards; if they are, \
              `gdal_edit.py -a_srs EPSG:… in.tif`, with the system of the map alone, takes this out"
-        ))),
+        )),
     }
 }
