@@ -238,8 +238,8 @@ fn friction_feels_others_to_second_order() {
         simulation.run((1.0 / h).round() as u64).unwrap();
         simulation.momenta().next().unwrap().x
     };
-    let field = floor.clone().with(MagneticField::new([0.0, -0.5, 0.0])).with(rough);
-    let force = floor.clone().with(Lorentz { b: -0.5 }).with(rough);
+    let field = floor.with(MagneticField::new([0.0, -0.5, 0.0])).with(rough);
+    let force = floor.with(Lorentz { b: -0.5 }).with(rough);
     let by_field = errors(&|h| speed(field.simulate(start.clone(), Rattle::new(h)).unwrap().boxed(), h));
     let by_force = errors(&|h| speed(force.simulate(start.clone(), Rattle::new(h)).unwrap().boxed(), h));
     assert!(order(&by_field) > 1.9 && order(&by_force) > 1.9, "{by_field:?} {by_force:?}");

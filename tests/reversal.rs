@@ -180,7 +180,10 @@ fn steps_in_parts_look_for_contacts() {
         for _ in 0..60 {
             let mut whole = scene.simulate(checked.state(), Rattle::new(0.7)).unwrap();
             let went = whole.step();
-            [&mut free, &mut stopped, &mut checked, &mut both].map(|run| run.step().unwrap());
+            free.step().unwrap();
+            stopped.step().unwrap();
+            checked.step().unwrap();
+            both.step().unwrap();
             assert_eq!(bits(&stopped.state()), bits(&free.state()));
             assert_eq!(bits(&both.state()), bits(&checked.state()));
             divided += u32::from(went.is_ok() && whole.position() != checked.position());

@@ -48,8 +48,8 @@ impl Raster {
     }
 
     /// Reads an ASCII grid from the text of a file. Cells of the height `NODATA_value` are without data; where the file
-    /// does not name it, this is −9999, as ESRI defines it. Where it is above 10³⁰ in size, as −3.4e38 is, the first six
-    /// digits decide.
+    /// does not name it, this is −9999, as ESRI defines it. Where it is above 10³⁰ in size, as −3.4e38 is, the first
+    /// six digits decide.
     ///
     /// ```
     /// use rattle_flow::Raster;
