@@ -168,9 +168,9 @@ constraint! {
 /// Where contacts are looked for, steps that fail, or do not lead back, are taken in the same parts as without.
 #[test]
 fn steps_in_parts_look_for_contacts() {
-    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
     let mut divided = 0;
     for i in 0..60 {
+        let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: if i % 2 == 0 { 1.0 } else { 2.0 } });
         let start = State::at([0.0, 0.0, 1.0]).moving([0.1 + 0.005 * f64::from(i), 0.03, 0.0]);
         let begin = || scene.simulate(start.clone(), Rattle::new(0.7)).unwrap().retry(5);
         let floor = || rattle::effect::Stop::above(Far {});

@@ -11,7 +11,7 @@ use tiff::tags::{CompressionMethod, Tag};
 use tiff::{ColorType, TiffError, TiffFormatError, TiffUnsupportedError};
 use units::Keys;
 
-/// Heights of at most so many bytes, as they lie in the file.
+/// Heights of at most so many bytes, as they lie in the file, and as they are read.
 const LARGEST: usize = 4 << 30;
 /// Sides of a cell that differ by less than this part are the same.
 const SQUARE: f64 = 1e-9;
@@ -117,7 +117,8 @@ fn read_heights(
     bits: usize,
     absent: f64,
 ) -> Result<Vec<f64>, ReadError> {
-    let count = columns.checked_mul(rows).filter(|count| *count <= LARGEST / (bits / 8));
+    let count =
+        columns.checked_mul(rows).filter(|count| *count <= LARGEST / (bits / 8).max(size_of::<f64>()));
     let count = count.ok_or_else(|| {
         refused(&format!(
             "{columns} by {rows} heights are too many; `gdal_translate -srcwin` cuts a part out"
@@ -346,7 +347,10 @@ mod tests {
         );
         told(keys(&[[3072, 2136]], 1.0), ["coordinates of EPSG:2136 in the unit of 0.30479971", "`gdalwarp"]);
         told(keys(&[[3072, 30000]], 1.0), ["EPSG:30000, and its unit is not known", "`gdal_edit.py -a_srs"]);
-        told(keys(&[[3072, 26910], [4096, 5715]], 1.0), ["heights of EPSG:5715", "`gdal_edit.py -a_srs"]);
+        told(keys(&[[3072, 26910], [4096, 4999]], 1.0), ["heights of EPSG:4999", "`gdal_edit.py -a_srs"]);
+        let depths = ["depths, of EPSG:5715", "`gdal_translate -scale 0 1 0 -1"];
+        told(keys(&[[3072, 26910], [4096, 5715]], 1.0), depths);
+        told(keys(&[[3072, 26910], [4096, 5715], [4099, 9001]], 1.0), depths);
         let metres = [3076, 9001];
         told(keys(&[metres, [4099, 9002]], 1.0), ["heights in feet (EPSG:9002)", "`gdalwarp"]);
         told(keys(&[metres, [4099, 32767]], 1.0), ["heights in a unit that is none", "`gdalwarp"]);

@@ -111,10 +111,10 @@ fn corners(words: &mut Words) -> Result<[u64; 3], ReadError> {
 fn skipped(words: &mut Words, kind: usize) -> Result<(), ReadError> {
     let hole = |found, advice| Err(ReadError::Hole { line: words.line(), found, advice });
     match kind {
-        3 | 10 | 16 => {
+        3 | 10 | 16 | 36..=41 | 47..=51 => {
             return hole("a quadrangle", "mesh it without `Recombine Surface` and `Mesh.RecombineAll`");
         }
-        9 | 20..=25 => {
+        9 | 20..=25 | 42..=46 => {
             return hole(
                 "a triangle of higher order",
                 "`gmsh -2 -order 1 in.geo -o out.msh` makes plain ones",
@@ -122,8 +122,12 @@ fn skipped(words: &mut Words, kind: usize) -> Result<(), ReadError> {
         }
         _ => {}
     }
-    let Some(&count) = kind.checked_sub(1).and_then(|kind| NODES.get(kind)) else {
-        return Err(words.wrong("a kind of element from 1 to 15", &kind.to_string()));
+    let count = match kind {
+        1..=15 => NODES[kind - 1],
+        // Lines of higher order.
+        26..=28 => kind - 22,
+        62..=66 => kind - 55,
+        _ => return Err(words.wrong("points, lines, triangles or simple solids", &format!("kind {kind}"))),
     };
     (0..count).try_for_each(|_| words.number::<u64>("the number of a node").map(drop))
 }

@@ -65,8 +65,8 @@ impl<const D: usize> SelfPropulsion<D> {
         Self { force, turning, seed, headings: Vec::new() }
     }
 
-    /// The same with these headings at the start, one for each body. Each is projected onto the tangent plane and
-    /// scaled to length 1.
+    /// The same with these headings at the start, one for each body; a state that is read from a simulation has its
+    /// own. Each is projected onto the tangent plane and scaled to length 1.
     #[must_use]
     pub fn headed(mut self, headings: impl IntoIterator<Item = [f64; D]>) -> Self {
         self.headings = headings.into_iter().collect();

@@ -21,7 +21,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// neither symplectic nor reversible.
     ///
     /// Random forces draw the numbers of the whole step, around all parts, or in the middle of `Baoab`, whose free
-    /// motion is made finer: if parts drew others, the bath would be too cold, since fast draws are those that fail.
+    /// motion is made finer, as far as 65 536 parts go: if parts drew others, the bath would be too cold, since fast
+    /// draws are those that fail. A method of one's own that has flows act [inside](Method::STIRS) its step, and names
+    /// no [finer](Method::finer) one, is not divided where these are random.
     ///
     /// The memory of a method is reset before and after the parts, which allocates. Steps of staggered methods are not
     /// divided, since their momenta belong to one step size.

@@ -433,9 +433,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let Events { meet, search, start, aside, .. } = events;
         self.system.put_aside(&self.before, start);
         let (system, method, bodies) = (&self.system, &self.method, &mut self.bodies);
-        let (flows, halvings, divided) = (!draws(system), least..=most, false);
+        let (flows, halvings, divided, parts) = (!draws(system), least..=most, false, 1);
         let mut stretch =
-            Stretch { system, method, bodies, start, noise, aside, witness, halvings, flows, divided };
+            Stretch { system, method, bodies, start, noise, aside, witness, halvings, flows, divided, parts };
         let number = match flows {
             true => {
                 let in_parts =
@@ -446,13 +446,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             }
             false => stretch.between_flows(|stretch, went| meet(search, stretch, went)),
         }?;
-        let divided = stretch.divided;
+        let (divided, parts) = (stretch.divided, stretch.parts);
         events.number += number;
         if divided {
             self.memory = self.method.memory(view(&self.method, &self.system)?, &self.bodies);
         }
-        let of_one_piece = !divided || (least > 0 && number == 0);
-        if of_one_piece { self.compare(1 << least) } else { Ok(()) }
+        if number == 0 { self.compare(parts) } else { Ok(()) }
     }
 
     /// How often a step may be halved.
@@ -465,13 +464,14 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     fn take_in_parts(&mut self, mut trouble: Trouble, witness: &mut dyn Hears<f64>) -> Result<(), Error> {
         let clock = self.clock;
         self.put_back();
-        let most = self.most_halvings();
+        let mut tried = 0;
         if let Some(Halving { take, .. }) = self.halving {
-            for halved in 1..=most {
+            for halved in 1..=self.most_halvings() {
                 // Parts by themselves would draw other random numbers.
                 if const { S::STIRS } && draws(&self.system) && self.method.finer(1 << halved).is_none() {
                     break;
                 }
+                tried = halved;
                 let taken = take(self, 1 << halved, witness);
                 match taken.and_then(|()| self.compare(1 << halved)) {
                     Ok(()) => return Ok(()),
@@ -482,7 +482,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             }
         }
         self.explain(&mut trouble);
-        Err(trouble.told(self.steps + 1, self.time(), most))
+        Err(trouble.told(self.steps + 1, self.time(), tried))
     }
 
     /// Where bodies could not be moved for a reason that a kink can have, looks for one.

@@ -50,7 +50,7 @@ impl Keys {
             None => named(SYSTEM).map_or(Ok(()), check_system)?,
         }
         match self.get(UNITS_OF_HEIGHTS) {
-            Some(METRE) => Ok(()),
+            Some(METRE) => named(SYSTEM_OF_HEIGHTS).filter(is_of_depths).map_or(Ok(()), depths),
             Some(unit) => Err(heights(&format!("heights in {}", unit_of(unit)))),
             None => named(SYSTEM_OF_HEIGHTS).map_or(Ok(()), check_system_of_heights),
         }
@@ -101,10 +101,28 @@ fn check_system(system: u16) -> Result<(), String> {
     Err(coordinates(&format!("coordinates of EPSG:{system} in {unit}")))
 }
 
+/// Whether heights of a vertical system of EPSG 12.029 are depths.
+fn is_of_depths(system: &u16) -> bool {
+    matches!(
+        system,
+        5336 | 5612 | 5614 | 5706 | 5715 | 5734 | 5739 | 5789 | 5831 | 5861..=5867 | 5873 | 6357..=6359 | 7976 | 8051
+            | 8053 | 8358 | 8378 | 8897 | 9287..=9288 | 9672 | 10150..=10151 | 10349 | 10364 | 10370..=10379
+            | 10547..=10552 | 10649..=10650 | 10678
+    )
+}
+
+fn depths(system: u16) -> Result<(), String> {
+    Err(format!(
+        "depths, of EPSG:{system}; `gdal_translate -scale 0 1 0 -1 -a_srs EPSG:… in.tif out.tif`, with the system of \
+         the map alone, makes heights of them"
+    ))
+}
+
 /// As [`check_system`], by the vertical systems of EPSG 12.029.
 #[rustfmt::skip]
 fn check_system_of_heights(system: u16) -> Result<(), String> {
     match system {
+        _ if is_of_depths(&system) => depths(system),
         // Heights in metres, upwards.
         3855 | 3886 | 3900 | 4440 | 4458 | 5193 | 5195 | 5214 | 5237 | 5317 | 5597 | 5600..=5611 | 5613 | 5615..=5621 |
         5701 | 5703..=5705 | 5709..=5714 | 5716..=5733 | 5735..=5738 | 5740..=5753 | 5755..=5788 | 5790..=5799 | 5829 |

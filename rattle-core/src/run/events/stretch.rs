@@ -34,6 +34,8 @@ pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usi
     pub(in crate::run) flows: bool,
     /// Whether anything was tried but the whole step.
     pub(in crate::run) divided: bool,
+    /// In how many parts the last try went.
+    pub(in crate::run) parts: u32,
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
@@ -75,6 +77,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
 
     fn go_in_parts(&mut self, length: f64, parts: u32) -> Result<(), Trouble> {
         self.go_back();
+        self.parts = parts;
         let whole = self.method.with_step(self.sign() * length);
         let method =
             if parts == 1 { whole.clone() } else { whole.with_step(whole.step_size() / f64::from(parts)) };
