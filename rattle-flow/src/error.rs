@@ -73,7 +73,37 @@ pub enum MeshError {
     /// The mesh has no triangle.
     #[error("the mesh has no triangle")]
     Empty,
-    /// The corners are not a simple polygon, or the spacing is too fine.
+    /// Two vertices of the boundary are at one place: between their triangles would be a wall of no width.
+    #[error(
+        "vertices {first} and {second} of the boundary are both at ({x:.6}, {y:.6}): nothing would flow between their \
+         triangles; make them one vertex, or leave a gap where a wall is meant"
+    )]
+    Seam {
+        /// One vertex.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// Where they are.
+        x: f64,
+        /// Where they are.
+        y: f64,
+    },
+    /// Two sides of a polygon cross or touch, elsewhere than in a corner that both have.
+    #[error(
+        "the sides of the polygon that begin at corners {first} and {second} meet at ({x:.6}, {y:.6}); expected \
+         sides that meet in their common corners alone (corners are counted from 0)"
+    )]
+    SidesMeet {
+        /// The corner where one side begins.
+        first: usize,
+        /// The corner where the other begins.
+        second: usize,
+        /// Where they meet.
+        x: f64,
+        /// Where they meet.
+        y: f64,
+    },
+    /// The corners are not those of a polygon, or the spacing is too fine.
     #[error("the polygon of {corners} corners with spacing {spacing} cannot be meshed: {reason}")]
     Polygon {
         /// The number of corners given.

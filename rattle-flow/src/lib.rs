@@ -50,6 +50,7 @@ mod mesh;
 mod method;
 mod multigrid;
 mod notebook;
+mod outline;
 mod page;
 mod pieces;
 mod polygon;

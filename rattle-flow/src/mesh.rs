@@ -3,6 +3,17 @@
 use crate::error::{FlowError, MeshError, one_for_each_vertex};
 use std::collections::HashMap;
 
+/// A vertex of the boundary that is nearer to an edge, or to a vertex, than this part of the edge is meant to be on it …
+const NEAR: f64 = 1e-9;
+/// … and one that is nearer than so many roundings of the coordinates: both may come from a slanted line.
+const ROUNDED: f64 = 4.0;
+
+/// What a boundary must not have: a vertex inside of an edge, or two vertices at one place.
+enum Torn {
+    Hanging([u32; 2], u32),
+    Seam(u32, u32),
+}
+
 /// A mesh of triangles that meet edge to edge; checked when it is made.
 ///
 /// ```
@@ -26,7 +37,7 @@ impl Mesh {
     /// The mesh of these vertices and triangles, each counter-clockwise.
     ///
     /// # Errors
-    /// Any [`MeshError`] except `Polygon`: the first one found, with its position.
+    /// Any [`MeshError`] except `Polygon` and `SidesMeet`: the first one found, with its position.
     pub fn new(points: Vec<[f64; 2]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         if triangles.is_empty() {
             return Err(MeshError::Empty);
@@ -70,26 +81,28 @@ impl Mesh {
         boundary.sort_unstable();
         let at_boundary = boundary.iter().map(|edge| sides[edge] as u32).collect();
         let mesh = Mesh { points, triangles, boundary, at_boundary, shares };
-        match mesh.hanging() {
-            Some(([from, to], vertex)) => {
+        match mesh.torn() {
+            Some(Torn::Hanging([from, to], vertex)) => {
                 let triangle = sides[&[from, to]];
                 let [from, to, vertex] = [from, to, vertex].map(|v| v as usize);
                 Err(MeshError::Hanging { vertex, from, to, triangle })
+            }
+            Some(Torn::Seam(one, other)) => {
+                let [x, y] = mesh.points[one as usize];
+                let (first, second) = (one.min(other) as usize, one.max(other) as usize);
+                Err(MeshError::Seam { first, second, x, y })
             }
             None => Ok(mesh),
         }
     }
 
-    /// A vertex of the boundary inside an edge of it. Vertices are looked up by cells as large as the longest edge.
-    fn hanging(&self) -> Option<([u32; 2], u32)> {
+    /// Where the boundary has a vertex inside of an edge, or two vertices at one place: nearer than a part of the edge,
+    /// or than coordinates are rounded. Vertices are looked up by cells a little larger than the longest edge.
+    fn torn(&self) -> Option<Torn> {
         let ends = |[a, b]: [u32; 2]| [self.points[a as usize], self.points[b as usize]];
-        let longest = self
-            .boundary
-            .iter()
-            .map(|&edge| squared(ends(edge)[0], ends(edge)[1]))
-            .fold(0.0, f64::max)
-            .sqrt();
-        let cell = |[x, y]: [f64; 2]| [(x / longest).floor() as i64, (y / longest).floor() as i64];
+        let lengths = self.boundary.iter().map(|&edge| squared(ends(edge)[0], ends(edge)[1]));
+        let size = 1.000_001 * lengths.fold(0.0, f64::max).sqrt();
+        let cell = |[x, y]: [f64; 2]| [(x / size).floor() as i64, (y / size).floor() as i64];
         let mut cells: HashMap<[i64; 2], Vec<u32>> = HashMap::new();
         for &[from, _] in &self.boundary {
             cells.entry(cell(self.points[from as usize])).or_default().push(from);
@@ -97,15 +110,23 @@ impl Mesh {
         for &edge in &self.boundary {
             let [a, b] = ends(edge);
             let [i, j] = cell(a);
-            let length = squared(a, b);
-            for near in (-1..=1).flat_map(|di| (-1..=1).map(move |dj| [i + di, j + dj])) {
-                for &vertex in cells.get(&near).into_iter().flatten().filter(|vertex| !edge.contains(vertex))
+            let length = squared(a, b).sqrt();
+            let largest = [a, b].into_iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let near = NEAR * length + ROUNDED * f64::EPSILON * largest;
+            for cell in (-1..=1).flat_map(|di| (-1..=1).map(move |dj| [i + di, j + dj])) {
+                for &vertex in cells.get(&cell).into_iter().flatten().filter(|vertex| !edge.contains(vertex))
                 {
-                    let [x, y] = self.points[vertex as usize];
-                    let along = ((x - a[0]) * (b[0] - a[0]) + (y - a[1]) * (b[1] - a[1])) / length;
-                    let aside = ((x - a[0]) * (b[1] - a[1]) - (y - a[1]) * (b[0] - a[0])) / length;
-                    if along > 0.0 && along < 1.0 && aside.abs() < 1e-9 {
-                        return Some((edge, vertex));
+                    let place = self.points[vertex as usize];
+                    for (end, at) in edge.into_iter().zip([a, b]) {
+                        if squared(place, at).sqrt() <= near {
+                            return Some(Torn::Seam(end, vertex));
+                        }
+                    }
+                    let [x, y] = [place[0] - a[0], place[1] - a[1]];
+                    let along = (x * (b[0] - a[0]) + y * (b[1] - a[1])) / length;
+                    let aside = (x * (b[1] - a[1]) - y * (b[0] - a[0])) / length;
+                    if along > 0.0 && along < length && aside.abs() <= near {
+                        return Some(Torn::Hanging(edge, vertex));
                     }
                 }
             }
