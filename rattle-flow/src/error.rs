@@ -172,6 +172,21 @@ pub enum FlowError {
         /// What was expected.
         expected: &'static str,
     },
+    /// However short a step is, its error is above the tolerance.
+    #[error(
+        "at time {time} steps down to {step:e} have an error of {error:e}, above the tolerance {tolerance:e}; take a \
+         larger tolerance, or name times where rain or inflow jumps by `Flow::meet`; the last good state is kept"
+    )]
+    TooExact {
+        /// The time of the last good state.
+        time: f64,
+        /// The smallest time step tried.
+        step: f64,
+        /// Its error, relative to the water, as [`run_until`](crate::Simulation::run_until) has it.
+        error: f64,
+        /// The tolerance.
+        tolerance: f64,
+    },
     /// Newton's method did not converge, however small the step.
     #[error(
         "no depth found at time {time} with time steps down to {step:e}: after {iterations} iterations depth still \

@@ -37,6 +37,7 @@
 //! The elements are written as formulas with [`residual!`]: see [`law`].
 
 mod budget;
+mod clock;
 mod conservative;
 pub mod dam_break;
 mod error;
@@ -59,6 +60,7 @@ mod raster;
 mod read;
 mod rows;
 mod simulation;
+mod sources;
 mod sparse;
 pub mod vtu;
 

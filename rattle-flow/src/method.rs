@@ -13,6 +13,14 @@ pub struct StepInfo {
     pub booked: Budget,
 }
 
+impl StepInfo {
+    /// Adds those of the step that follows.
+    pub(crate) fn add(&mut self, next: &StepInfo) {
+        self.iterations += next.iterations;
+        self.booked.add(&next.booked);
+    }
+}
+
 /// Why a step failed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Trouble {
@@ -46,8 +54,8 @@ pub trait Method: Send {
         Ok(())
     }
 
-    /// Computes the depth after a step from `depth`. `guess` holds a first guess of it, and then the result. `rain` and
-    /// `inflow` are volumes per time at the vertices. After an error `guess` is meaningless, and the method is in its
+    /// Computes the depth after a step from `depth`. `guess` holds a first guess of it, and then the result. `sources`
+    /// are rain and inflow, volumes per time at the vertices, as means over the step. After an error `guess` is meaningless, and the method is in its
     /// state before the call.
     ///
     /// # Errors
