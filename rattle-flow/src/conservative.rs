@@ -14,30 +14,18 @@
 //! Infiltration is the smaller of the infiltration capacity and of what comes: an active set of vertices that are dry,
 //! h′ = 0, where all that comes seeps away.
 
+use crate::blocks::{Block, L, Wide, block, flux_in, gather, root, slope_of, sloping, unknowns};
 use crate::budget::Budget;
-use crate::flow::{Flow, Resistance};
+use crate::error::FlowError;
+use crate::flow::{Flow, Resistance, number};
 use crate::krylov::Iterative;
-use crate::law::{DarcyWeisbach, Element, GIVEN, Law, Manning};
+use crate::law::{DarcyWeisbach, Element, Law, Manning};
 use crate::method::{Method, StepInfo, Trouble};
 use crate::pieces::{PIECE, dot, on_threads};
 use crate::sparse::Sparse;
-use rattle::lanes::Lanes;
 use rattle::real::Real;
 use rayon::prelude::*;
 use std::array::from_fn;
-
-/// So many triangles go side by side.
-const L: usize = 8;
-type Wide = Lanes<f64, L>;
-
-/// Triangles side by side; the last ones of the last block are that triangle again, and not added.
-struct Block {
-    vertices: [[u32; L]; 3],
-    given: [Wide; GIVEN],
-    /// Places among the values of the matrix: row, column, lane.
-    places: [[[u32; L]; 3]; 3],
-    count: usize,
-}
 
 /// The method of upwinded control volumes: conserves volume to rounding, without negative depths.
 pub struct Conservative {
@@ -91,7 +79,11 @@ const MOST_MENDED: f64 = 1e-3;
 /// took more of Newton's iterations on 500 000.
 const INEXACT: [f64; 2] = [1e-3, 1e-1];
 
-/// Settings of the iteration.
+/// The square of ε is to be neither 0 nor infinite.
+const EPSILONS: [f64; 2] = [1e-150, 1e150];
+
+/// Settings of the iteration. A flow is not [started](Flow::simulate_by) with `epsilon`, `tolerance` or `most` that are
+/// not positive: [`FlowError::Number`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// The ε of √(p² + ε²), which replaces |p| in the derivative: 10⁻⁴ to 10⁻⁸ work equally well, 10⁻² does not
@@ -458,6 +450,23 @@ impl Conservative {
     }
 }
 
+impl Settings {
+    /// An error for numbers that no iteration ends with.
+    fn check(&self) -> Result<(), FlowError> {
+        let [least, most] = EPSILONS;
+        let fits = (least..=most).contains(&self.epsilon);
+        number(
+            "the setting epsilon",
+            self.epsilon,
+            fits,
+            "a number from 1e-150 to 1e150; 1e-6 is the default",
+        )?;
+        let positive = self.tolerance > 0.0;
+        number("the setting tolerance", self.tolerance, positive, "a positive number; 1e-10 is the default")?;
+        number("the setting most", self.most as f64, self.most > 0, "an iteration or more; 30 is the default")
+    }
+}
+
 fn sum(numbers: &[f64]) -> f64 {
     numbers.iter().sum()
 }
@@ -467,74 +476,11 @@ fn largest(change: &[f64]) -> (usize, f64) {
     sizes.fold((0, 0.0), |best, own| if own.1 > best.1 { own } else { best })
 }
 
-fn gather(block: &Block, depth: &[f64]) -> [Wide; 3] {
-    block.vertices.map(|lanes| Lanes(lanes.map(|vertex| depth[vertex as usize])))
-}
-
-fn unknowns(block: &Block, depth: &[f64], slope: &[Wide; 2]) -> [Wide; 5] {
-    let [a, b, c] = gather(block, depth);
-    [a, b, c, slope[0], slope[1]]
-}
-
-/// ∇(b + h).
-fn sloping(block: &Block, h: &[Wide; 3]) -> [Wide; 2] {
-    let level = [h[0], h[1] + block.given[12], h[2] + block.given[13]];
-    from_fn(|x| (0..3).fold(Wide::from_f64(0.0), |sum, i| sum + level[i] * block.given[2 * i + x]))
-}
-
-/// The root of the length.
-fn root(slope: [Wide; 2]) -> Wide {
-    (slope[0] * slope[0] + slope[1] * slope[1]).sqrt().sqrt()
-}
-
-/// p with |p| p = ∇(b + h).
-fn slope_of(block: &Block, depth: &[f64]) -> [Wide; 2] {
-    let slope = sloping(block, &gather(block, depth));
-    let root = root(slope);
-    let still = root.le(Wide::from_f64(0.0));
-    slope.map(|x| Wide::select(still, Wide::from_f64(0.0), x / root))
-}
-
-fn block(flow: &Flow, matrix: &Sparse, first: usize) -> Block {
-    let triangles = flow.mesh.triangles();
-    let count = L.min(triangles.len() - first);
-    let of_lane: [usize; L] = from_fn(|lane| (first + lane).min(triangles.len() - 1));
-    let given = of_lane.map(|triangle| given(flow, triangle));
-    let corner = |i: usize| of_lane.map(|triangle| triangles[triangle][i]);
-    let vertices: [[u32; L]; 3] = from_fn(corner);
-    Block {
-        vertices,
-        given: from_fn(|k| Lanes(from_fn(|lane| given[lane][k]))),
-        places: from_fn(|i| from_fn(|j| from_fn(|lane| matrix.place(vertices[i][lane], vertices[j][lane])))),
-        count,
-    }
-}
-
-/// What the law is given of a triangle.
-pub(crate) fn given(flow: &Flow, triangle: usize) -> [f64; GIVEN] {
-    let place = flow.mesh.corners(triangle);
-    let area = crate::mesh::signed_area(place);
-    let side = |i: usize, j: usize| [place[j][0] - place[i][0], place[j][1] - place[i][1]];
-    // ∇φᵢ is the opposite side, turned by a quarter, over twice the area.
-    let grad: [[f64; 2]; 3] = from_fn(|i| {
-        let [x, y] = side((i + 1) % 3, (i + 2) % 3);
-        [-y / (2.0 * area), x / (2.0 * area)]
-    });
-    let arm: [[f64; 2]; 3] = from_fn(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        let (a, b) = (side(k, i), side(k, j));
-        let weight = (a[0] * b[0] + a[1] * b[1]) / (4.0 * area); // ½ cot at k
-        side(i, j).map(|x| weight * x)
-    });
-    let bed = flow.mesh.triangles()[triangle].map(|vertex| flow.terrain[vertex as usize]);
-    let rise = [bed[1] - bed[0], bed[2] - bed[0]];
-    let numbers = grad.into_iter().chain(arm).flatten().chain(rise).chain([flow.mobility(triangle)]);
-    let mut result = [0.0; GIVEN];
-    result.iter_mut().zip(numbers).for_each(|(slot, number)| *slot = number);
-    result
-}
-
 impl Method for Conservative {
+    fn serves(&self, _: &Flow) -> Result<(), FlowError> {
+        self.settings.check()
+    }
+
     fn step(
         &mut self,
         flow: &Flow,
@@ -575,14 +521,12 @@ impl Method for Conservative {
     }
 
     fn flux(&self, flow: &Flow, depth: &[f64]) -> Vec<[f64; 2]> {
-        let power = flow.resistance.power();
-        let triangles = flow.mesh.triangles().iter().enumerate();
-        let of = |(triangle, corners): (usize, &[u32; 3])| {
-            let p = self.slopes[triangle / L].map(|p| p.0[triangle % L]);
-            let mean =
-                corners.iter().map(|&vertex| depth[vertex as usize].max(0.0).powf(power)).sum::<f64>() / 3.0;
-            p.map(|p| -flow.mobility(triangle) * mean * p)
-        };
-        triangles.map(of).collect()
+        let triangles = (0..flow.mesh.triangles().len()).map(|triangle| {
+            let (block, lane) = (&self.blocks[triangle / L], triangle % L);
+            let slope = if self.started { self.slopes[triangle / L] } else { slope_of(block, depth) };
+            let given = block.given.map(|number| number.0[lane]);
+            flux_in(flow, triangle, &given, depth, slope.map(|p| p.0[lane]))
+        });
+        triangles.collect()
     }
 }

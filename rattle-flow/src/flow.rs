@@ -10,7 +10,8 @@ use crate::simulation::Simulation;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Resistance {
-    /// k |u| u = −g h ∇(b + h), with the pure number k.
+    /// k |u| u = −g h ∇(b + h), with the pure number k: an eighth of the friction factor f of Darcy and Weisbach, as in
+    /// the slope f u²/(8 g h).
     DarcyWeisbach {
         /// The gravitational acceleration g.
         gravity: f64,
@@ -112,7 +113,7 @@ impl Flow {
         self
     }
 
-    /// The coefficient of friction, k or n, at the centroid of each triangle.
+    /// The coefficient of friction, k = f/8 or n, at the centroid of each triangle.
     #[doc(alias = "roughness")]
     #[doc(alias = "Manning")]
     #[must_use]
@@ -155,7 +156,8 @@ impl Flow {
         self
     }
 
-    /// Times that steps meet: where rain or inflow jumps, or begins and ends soon after. Times from several calls add up.
+    /// Times that steps meet: where rain or inflow jumps, or begins and ends soon after. Times from several calls add
+    /// up.
     ///
     /// A step that would go over such a time is divided there, so that the volumes that fall and enter are exact for
     /// rates that are constant, or change like polynomials up to degree 5, from one time to the next.

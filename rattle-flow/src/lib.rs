@@ -36,6 +36,7 @@
 //!
 //! The elements are written as formulas with [`residual!`]: see [`law`].
 
+mod blocks;
 mod budget;
 mod clock;
 mod conservative;

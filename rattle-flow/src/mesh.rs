@@ -3,7 +3,8 @@
 use crate::error::{FlowError, MeshError, one_for_each_vertex};
 use std::collections::HashMap;
 
-/// A vertex of the boundary that is nearer to an edge, or to a vertex, than this part of the edge is meant to be on it …
+/// A vertex of the boundary that is nearer to an edge, or to a vertex, than this part of the edge is meant to be on
+/// it …
 const NEAR: f64 = 1e-9;
 /// … and one that is nearer than so many roundings of the coordinates: both may come from a slanted line.
 const ROUNDED: f64 = 4.0;

@@ -54,9 +54,9 @@ pub trait Method: Send {
         Ok(())
     }
 
-    /// Computes the depth after a step from `depth`. `guess` holds a first guess of it, and then the result. `sources`
-    /// are rain and inflow, volumes per time at the vertices, as means over the step. After an error `guess` is meaningless, and the method is in its
-    /// state before the call.
+    /// Computes the depth after a step from `depth`. `guess` holds a first guess of it, and then the result.
+    /// `sources` are rain and inflow, volumes per time at the vertices, as means over the step. After an error
+    /// `guess` is meaningless, and the method is in its state before the call.
     ///
     /// # Errors
     /// [`Trouble`], after which a shorter step may succeed.

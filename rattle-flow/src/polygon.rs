@@ -31,8 +31,8 @@ impl Mesh {
     /// ```
     ///
     /// # Errors
-    /// [`MeshError::SidesMeet`]: sides that cross or touch. [`MeshError::Polygon`]: fewer than three corners, corners on
-    /// one line, or a spacing that is not positive or asks for more than twenty million points.
+    /// [`MeshError::SidesMeet`]: sides that cross or touch. [`MeshError::Polygon`]: fewer than three corners, corners
+    /// on one line, or a spacing that is not positive or asks for more than twenty million points.
     pub fn polygon(corners: &[[f64; 2]], spacing: f64) -> Result<Mesh, MeshError> {
         let wrong = |reason| MeshError::Polygon { corners: corners.len(), spacing, reason };
         let named = distinct(corners);

@@ -64,8 +64,8 @@ impl<M: Method> Simulation<M> {
         })
     }
 
-    /// Takes one time step; in parts where a time to [meet](Flow::meet) is inside of it. Of steps of one length alone the
-    /// time is their number times the length, rounded once.
+    /// Takes one time step; in parts where a time to [meet](Flow::meet) is inside of it. Of steps of one length alone
+    /// the time is their number times the length, rounded once.
     ///
     /// # Errors
     /// [`FlowError::NotConverged`], [`FlowError::Singular`], and [`FlowError::Given`] for rain and inflow; the state is
@@ -100,8 +100,8 @@ impl<M: Method> Simulation<M> {
     /// time nothing happens.
     ///
     /// ```text
-    /// e = Δt/(Δt + Δt₀) (F − Δt F₀/Δt₀)         Δt²/2 ∂F/∂t: F = h′ − h − rain − inflow is what flowed in the step, and
-    ///                                           F₀ and Δt₀ are of the step before; |e| ≤ h + h′
+    /// e = Δt/(Δt + Δt₀) (F − Δt F₀/Δt₀)     Δt²/2 ∂F/∂t, at most h + h′
+    /// F = h′ − h − rain − inflow            what flowed in the step; F₀ and Δt₀ are of the step before
     /// error = (Σ M |e| + S) / W
     /// ```
     ///
@@ -112,10 +112,10 @@ impl<M: Method> Simulation<M> {
     /// given at the start, with S as its error, and no step is longer than `longest`. Errors of steps add up: the final
     /// error is about the number of steps times the tolerance. Returns the number of rejected steps.
     ///
-    /// Rain and inflow are looked at at five instants of a step: near its ends, and at 11 %, 50 % and 89 % of it. **What
-    /// begins and ends between two of them is missed**, in the budget too; on dry ground, where nothing else changes,
-    /// steps get as long as allowed. Name such times by [`Flow::meet`], which makes jumps exact, or let `longest` be
-    /// twice as long as the shortest shower, at most.
+    /// Rain and inflow are looked at at five instants of a step: near its ends, and at 11 %, 50 % and 89 % of it.
+    /// **What begins and ends between two of them is missed**, in the budget too; on dry ground, where nothing else
+    /// changes, steps get as long as allowed. Name such times by [`Flow::meet`], which makes jumps exact, or let
+    /// `longest` be twice as long as the shortest shower, at most.
     ///
     /// ```
     /// use rattle_flow::dam_break;
@@ -177,8 +177,8 @@ impl<M: Method> Simulation<M> {
         Ok(thrown)
     }
 
-    /// The error of a step that leads to `guess`; see [`run_until`](Simulation::run_until). Of the first one there is no
-    /// other to compare with.
+    /// The error of a step that leads to `guess`; see [`run_until`](Simulation::run_until). Of the first one there is
+    /// no other to compare with.
     fn error_of(&self, step: f64, start: f64) -> f64 {
         let mut sum = step * self.sources.unsure;
         if self.earlier_step > 0.0 {
@@ -273,11 +273,12 @@ impl<M: Method> Simulation<M> {
     pub fn volume(&self) -> f64 {
         self.budget.now
     }
-    /// The mean of |q| over the area.
+    /// The mean of |q| over the area, of [`flux`](Simulation::flux).
     pub fn mean_flux(&self) -> f64 {
         self.method.mean_flux(&self.flow, &self.depth)
     }
-    /// q in each triangle.
+    /// q in each triangle, area per time. In water at rest that is zero but for rounding, of which q has the root, by
+    /// the conservative method: edges along which nothing flows, as to dry ground above a lake, have no part in it.
     pub fn flux(&self) -> Vec<[f64; 2]> {
         self.method.flux(&self.flow, &self.depth)
     }

@@ -7,10 +7,10 @@
 //! Gauss's rule is exact for polynomials in time up to degree 5. Its instants lie inside of the step: a rate that jumps
 //! at an end of the step counts in the right step, be it by `t < end` or `t <= end`.
 //!
-//! Where a rate jumps between two instants, the rule may be off by the jump times the farthest that the jump can be from
-//! where the rule has it. The sum of these over the differences of neighbouring rates, less a straight line, bounds what
-//! the rule is off by; the ends of the step, almost, are looked at too. What begins and ends between two instants is
-//! not seen.
+//! Where a rate jumps between two instants, the rule may be off by the jump times the farthest that the jump can be
+//! from where the rule has it. The sum of these over the differences of neighbouring rates, less a straight line,
+//! bounds what the rule is off by; the ends of the step, almost, are looked at too. What begins and ends between two
+//! instants is not seen.
 
 use crate::error::FlowError;
 use crate::flow::Flow;
