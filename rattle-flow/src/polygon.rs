@@ -17,8 +17,8 @@ impl Mesh {
     /// The mesh of a simple polygon, with edges of about the length `spacing`.
     ///
     /// The sides of the polygon are divided evenly. Inside, angles of triangles are 60°, and 30° or more where points
-    /// could be added. Beside the sides, which are not divided further, they are smaller: 24.7° was the least of 380
-    /// meshes of polygons whose angles are 60° or more. Smaller angles of the polygon stay.
+    /// could be added. Beside the sides, which are not divided further, they may be smaller: 24.7° is the least in 180
+    /// turned rectangles. Small angles of the polygon stay.
     ///
     /// Corners may go around either way. A corner that is the one before it once more is left out, so that rings which
     /// are closed by their first corner are taken as they are.

@@ -34,6 +34,38 @@ impl Method for Counted {
     }
 }
 
+/// A method whose depths are up and down by a millionth from step to step, however short.
+struct Noisy {
+    inner: Conservative,
+    up: bool,
+}
+
+impl Method for Noisy {
+    fn step(
+        &mut self,
+        flow: &Flow,
+        depth: &[f64],
+        guess: &mut [f64],
+        step: f64,
+        sources: (&[f64], &[f64]),
+    ) -> Result<StepInfo, Trouble> {
+        let info = self.inner.step(flow, depth, guess, step, sources)?;
+        self.up = !self.up;
+        let factor = if self.up { 1.0 + 1e-6 } else { 1.0 - 1e-6 };
+        guess.iter_mut().for_each(|h| *h *= factor);
+        Ok(info)
+    }
+    fn undo(&mut self) {
+        self.inner.undo();
+    }
+    fn mean_flux(&self, flow: &Flow, depth: &[f64]) -> f64 {
+        self.inner.mean_flux(flow, depth)
+    }
+    fn flux(&self, flow: &Flow, depth: &[f64]) -> Vec<[f64; 2]> {
+        self.inner.flux(flow, depth)
+    }
+}
+
 /// A hillside of 100 by 20, dry, that leaks at its foot. Rain and so on are `with` it.
 fn hillside(with: impl FnOnce(Flow) -> Flow, step: f64, left: usize) -> Simulation<Counted> {
     let mesh = Mesh::polygon(&[[0.0, 0.0], [100.0, 0.0], [100.0, 20.0], [0.0, 20.0]], 5.0).unwrap();
@@ -237,6 +269,27 @@ fn a_tolerance_that_is_too_small_is_an_error() {
     let mut simulation = hillside(|flow| flow.rain(noise), 1.0, 20_000);
     let outcome = simulation.run_until(10.0, 1e-2, 10.0);
     assert!(matches!(outcome, Ok(_) | Err(FlowError::TooExact { .. })), "{outcome:?}");
+}
+
+/// Errors that are no smaller in shorter steps: the run ends, says so, and keeps the last good state.
+#[test]
+fn a_tolerance_that_no_step_meets_is_told() {
+    let mesh = dam_break::mesh(0.5).unwrap();
+    let depth = dam_break::depth(&mesh);
+    let noisy = |flow: &Flow| Noisy { inner: Conservative::of(flow), up: false };
+    let mut simulation = dam_break::flow(mesh).simulate_by(depth, 1e-2, noisy).unwrap();
+    simulation.run(2).unwrap();
+    let error = simulation.run_until(1.0, 1e-9, 1.0).unwrap_err();
+    let (time, text) = (simulation.time(), error.to_string());
+    let volume = simulation.flow().mesh().volume(simulation.depth()).unwrap();
+    assert!((0.02..0.021).contains(&time) && simulation.volume() == volume, "{time}");
+    assert!(text.starts_with(&format!("at time {time} steps down to")) && text.contains("1e-9"), "{text}");
+    match error {
+        FlowError::TooExact { step, error, tolerance, .. } => {
+            assert!(step < 1e-12 && error > 1e-9 && tolerance == 1e-9, "{step:e} {error:e}");
+        }
+        other => panic!("{other}"),
+    }
 }
 
 /// Under rain that swells, ebbs and breaks off errors go with the root of the tolerance, as without rain.
