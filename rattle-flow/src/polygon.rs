@@ -77,19 +77,25 @@ impl Mesh {
         if let Some(part) = conflict.get().or_else(split) {
             return Err(outline.meeting(part));
         }
+        // Parts that touch but for rounding are told before points are added, which asks for triangles that are not flat.
+        let meshed = |net: &Net| {
+            let triangles = inner(net);
+            let (points, numbered) = used(net, &triangles);
+            Mesh::new(points, numbered).map_err(|error| match error {
+                MeshError::Hanging { from, to, .. } => outline.meeting(outline.part([from, to])),
+                MeshError::Seam { first, .. } => outline.meeting(first),
+                MeshError::Inverted { triangle, .. } => outline.nearest(triangles[triangle]).unwrap_or(error),
+                other => other,
+            })
+        };
+        meshed(&net)?;
         net.refine(
             RefinementParameters::new()
                 .keep_constraint_edges()
                 .exclude_outer_faces(true)
                 .with_angle_limit(AngleLimit::from_deg(30.0)),
         );
-        let points = net.vertices().map(|v| [v.position().x, v.position().y]).collect();
-        Mesh::new(points, inner(&net)).map_err(|error| match error {
-            MeshError::Hanging { from, to, .. } => outline.meeting(outline.part([from, to])),
-            MeshError::Seam { first, .. } => outline.meeting(first),
-            MeshError::Inverted { triangle, .. } => outline.nearest(inner(&net)[triangle]).unwrap_or(error),
-            other => other,
-        })
+        meshed(&net)
     }
 }
 
@@ -118,6 +124,21 @@ fn inner(net: &Net) -> Vec<[u32; 3]> {
     // Vertices come row by row of the lattice. So do triangles then: assembly on 10⁵ takes a fifth less time.
     triangles.sort_by_key(|corners| corners.iter().min().copied());
     triangles
+}
+
+/// The points of triangles, and the triangles with these numbers. Refinement may add a point outside, where the centre of
+/// a circle is on an edge there.
+fn used(net: &Net, triangles: &[[u32; 3]]) -> (Vec<[f64; 2]>, Vec<[u32; 3]>) {
+    let mut is_used = vec![false; net.num_vertices()];
+    triangles.iter().flatten().for_each(|&vertex| is_used[vertex as usize] = true);
+    let (mut points, mut numbers) = (Vec::new(), Vec::new());
+    for (vertex, used) in net.vertices().zip(is_used) {
+        numbers.push(points.len() as u32);
+        if used {
+            points.push([vertex.position().x, vertex.position().y]);
+        }
+    }
+    (points, triangles.iter().map(|corners| corners.map(|vertex| numbers[vertex as usize])).collect())
 }
 
 /// The numbers of the corners, without those that are the one before them once more.

@@ -183,6 +183,68 @@ fn numbers_at_the_ends_of_their_range_are_a_mesh_or_an_error() {
     assert!(meshes > 10, "{meshes}");
 }
 
+/// Whether two sides have a point in common besides a corner that both have; corners are whole numbers, so it is exact.
+fn meet(corners: &[[f64; 2]]) -> bool {
+    let count = corners.len();
+    let side = |i: usize| [corners[i % count], corners[(i + 1) % count]];
+    let turn = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
+        ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).partial_cmp(&0.0).unwrap() as i32
+    };
+    let on = |p: [f64; 2], [a, b]: [[f64; 2]; 2]| {
+        let between = |x: usize| p[x] >= a[x].min(b[x]) && p[x] <= a[x].max(b[x]);
+        turn(a, b, p) == 0 && between(0) && between(1)
+    };
+    (0..count).any(|i| {
+        (i + 1..count).any(|j| {
+            let ([a, b], [c, d]) = (side(i), side(j));
+            if j == i + 1 || (i == 0 && j == count - 1) {
+                // Of neighbours the end of one on the other, besides the corner between them.
+                let (before, after) = if j == i + 1 { ([a, b], [c, d]) } else { ([c, d], [a, b]) };
+                return on(after[1], before) || on(before[0], after);
+            }
+            let crosses = turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
+            crosses || on(a, [c, d]) || on(b, [c, d]) || on(c, [a, b]) || on(d, [a, b])
+        })
+    })
+}
+
+/// Corners on a grid, at random: a polygon that is one has its area, one that is not is refused.
+#[test]
+fn polygons_on_a_grid_are_meshed_or_refused() {
+    let (mut state, mut simple, mut refused) = (7, 0, 0);
+    for round in 0..3000 {
+        let count = 3 + round % 5;
+        let at = |state: &mut u64| [0, 1].map(|_| (6.0 * random(state)).floor());
+        let mut corners: Vec<[f64; 2]> = (0..count).map(|_| at(&mut state)).collect();
+        corners.dedup();
+        while corners.len() > 1 && corners[0] == corners[corners.len() - 1] {
+            corners.pop();
+        }
+        let is_one = corners.len() >= 3 && !meet(&corners);
+        // As it is; and turned, in other units, on a map, where corners are rounded and touch but for that.
+        let (turn, unit) = (6.3 * random(&mut state), 10.0_f64.powf(4.0 * random(&mut state) - 2.0));
+        let (s, c) = turn.sin_cos();
+        let moved =
+            corners.iter().map(|[x, y]| [5e5 + unit * (c * x - s * y), 5.4e6 + unit * (s * x + c * y)]);
+        for (corners, unit, rounded) in [(corners.clone(), 1.0, 0.0), (moved.collect(), unit, 1e-9)] {
+            match Mesh::polygon(&corners, 0.9 * unit) {
+                Ok(mesh) => {
+                    assert!(is_one, "{corners:?}");
+                    let most = 1e-12 * unit * unit + 100.0 * unit * rounded;
+                    assert!((mesh.area() - area(&corners)).abs() < most, "{} of {corners:?}", mesh.area());
+                    simple += 1;
+                }
+                Err(error @ (MeshError::SidesMeet { .. } | MeshError::Polygon { .. })) => {
+                    assert!(!is_one, "{error}: {corners:?}");
+                    refused += 1;
+                }
+                Err(other) => panic!("{other}: {corners:?}"),
+            }
+        }
+    }
+    assert!(simple > 500 && refused > 500, "{simple} {refused}");
+}
+
 /// Two rectangles side by side whose nodes on the common side are there twice: a wall that nobody asked for.
 #[test]
 fn a_seam_is_refused_wherever_it_is() {
