@@ -319,3 +319,50 @@ fn an_end_that_is_past_is_no_run() {
         assert_eq!((simulation.time(), simulation.depth(), simulation.budget()), (2.0, &depth[..], budget));
     }
 }
+
+/// Showers, slopes, thirst, depths, tolerances and steps at random: each run ends, after some hundred steps, and with
+/// times to meet what fell is exact.
+#[test]
+fn runs_of_any_kind_end() {
+    let mut state = 5_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    for round in 0..120 {
+        let size = 10_f64.powf(3.0 * random());
+        let corners = [[0.0, 0.0], [size, 0.0], [size, 0.5 * size], [0.0, 0.5 * size]];
+        let mesh = Mesh::polygon(&corners, size / 6.0).unwrap();
+        let (vertices, area) = (mesh.points().len(), mesh.area());
+        let slope = [0.0, 1e-3, 0.05, 0.5][(4.0 * random()) as usize];
+        let rate = 10_f64.powf(-8.0 + 4.0 * random());
+        let drink = rate * [0.0, 0.1, 0.9, 1.5][(4.0 * random()) as usize];
+        let wet = [0.0, 0.0, 1e-6, 0.01][(4.0 * random()) as usize];
+        let mut times: Vec<f64> = (0..2 + 2 * (round % 3)).map(|_| (5000.0 * random()).floor()).collect();
+        times.sort_by(f64::total_cmp);
+        let fell: f64 = times.chunks(2).map(|shower| (shower[1] - shower[0]) * rate * area).sum();
+        let showers = times.clone();
+        let rains = move |t: f64| showers.chunks(2).any(|shower| (shower[0]..shower[1]).contains(&t));
+        let mut flow = Flow::over(mesh, Resistance::Manning)
+            .terrain(|[x, y]| slope * (x + 0.1 * size * (7.0 * y / size).sin()))
+            .friction(|_| 0.05)
+            .rain(move |_, t| if rains(t) { rate } else { 0.0 })
+            .infiltration(|_| drink);
+        if random() < 0.7 {
+            flow = flow.outlet(0.05, |[x, _]| x < 1e-9 * size);
+        }
+        let named = random() < 0.5;
+        if named {
+            flow = flow.meet(times);
+        }
+        let (tolerance, first) = (10_f64.powf(-2.0 - 2.0 * random()), 10_f64.powf(-2.0 + 4.0 * random()));
+        let longest = [60.0, 600.0, f64::INFINITY][(3.0 * random()) as usize];
+        let method = |flow: &Flow| Counted { inner: Conservative::of(flow), left: 2000 };
+        let mut simulation = flow.simulate_by(vec![wet; vertices], first, method).unwrap();
+        simulation.run_until(6000.0, tolerance, longest).unwrap();
+        let budget = simulation.budget();
+        assert!(simulation.depth().iter().all(|&h| h >= 0.0), "round {round}");
+        assert!(budget.remainder().abs() <= 1e-12 * (budget.start + fell), "round {round}: {budget:?}");
+        assert!(!named || (budget.rain - fell).abs() <= 1e-12 * fell, "round {round}: {budget:?} {fell}");
+    }
+}
