@@ -77,7 +77,8 @@ impl Mesh {
         if let Some(part) = conflict.get().or_else(split) {
             return Err(outline.meeting(part));
         }
-        // Parts that touch but for rounding are told before points are added, which asks for triangles that are not flat.
+        // Parts that touch but for rounding are told before points are added, which asks for triangles that are not
+        // flat.
         let meshed = |net: &Net| {
             let triangles = inner(net);
             let (points, numbered) = used(net, &triangles);
@@ -126,8 +127,8 @@ fn inner(net: &Net) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// The points of triangles, and the triangles with these numbers. Refinement may add a point outside, where the centre of
-/// a circle is on an edge there.
+/// The points of triangles, and the triangles with these numbers. Refinement may add a point outside, where the centre
+/// of a circle is on an edge there.
 fn used(net: &Net, triangles: &[[u32; 3]]) -> (Vec<[f64; 2]>, Vec<[u32; 3]>) {
     let mut is_used = vec![false; net.num_vertices()];
     triangles.iter().flatten().for_each(|&vertex| is_used[vertex as usize] = true);

@@ -58,13 +58,11 @@ fn surfaces_of_gmsh_that_are_no_triangles_are_refused() {
         (old("4 3 2 0 1 10 30 40 99"), 21, "a quadrangle", "`Recombine Surface`"),
         (old("4 9 2 0 1 10 30 40 99 99 99"), 21, "a triangle of higher order", "`gmsh -2 -order 1"),
         (old("4 21 2 0 1 10 30 40 99 99 99 99 99 99 99"), 21, "a triangle of higher order", "-order 1"),
-        // Gmsh writes lines before triangles, and those of its order 3 are of kind 26.
+        // Gmsh writes lines before triangles, and those of order 3 are of kind 26.
         (
-            SQUARE.replace(
-                "4 2 2 0 1 10 30 40",
-                "4 26 2 0 1 10 30 99 99\n5 21 2 0 1 10 30 40 99 99 99 99 99 99 99",
-            ),
-            22,
+            old("4 21 2 0 1 10 30 40 99 99 99 99 99 99 99")
+                .replace("2 1 2 0 1 10 20", "2 26 2 0 1 10 20 99 99"),
+            21,
             "a triangle of higher order",
             "-order 1",
         ),
