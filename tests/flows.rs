@@ -220,6 +220,16 @@ fn sliding_on_a_slope() {
     }
 }
 
+/// What a body at rest did before is not known: an error where time runs back.
+#[test]
+fn what_sticks_has_no_way_back() {
+    let slope = Scene::on(Plane { a: 0.6, b: 0.0, c: 0.8, d: 0.0 }).with(Gravity { g: 1.0 });
+    let slope = slope.with(DryFriction { coefficient: 1.0 });
+    let mut back = slope.simulate(State::at([0.0; 3]), Rattle::new(-0.01)).unwrap();
+    let error = back.step().unwrap_err().to_string();
+    assert!(error.contains("DryFriction") && back.steps() == 0, "{error}");
+}
+
 force! {
     /// A magnetic field along −y.
     struct Lorentz { b }

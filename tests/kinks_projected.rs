@@ -176,7 +176,11 @@ fn never_over_a_rounded_edge<M: Method + Copy>(method: impl Fn(f64) -> M) {
             lanes.run(steps);
             let alone = alone.run(steps).ok().map(|()| energy(&alone.state()));
             let lane = lanes.failure(0).is_none().then(|| energy(&lanes.state(0)));
-            for end in [alone, lane] {
+            let linked = Scene::points(1).link(Rounded { slope, radius }, [[0]]);
+            let mut links = linked.ensemble([start.clone()], method).unwrap();
+            links.run(steps);
+            let link = links.failure(0).is_none().then(|| energy(&links.state(0)));
+            for end in [alone, lane, link] {
                 let Some(end) = end else {
                     ended += 1;
                     continue;

@@ -323,3 +323,32 @@ fn constraint_forces_of_a_surface() {
     let linked = scene.mass(1.0).simulate(bottom, Rattle::new(0.01)).unwrap();
     assert!(distance(linked.constraint_forces()[0], [0.0, 13.5]) < 1e-14);
 }
+
+/// The forces that a step evaluates, as the bill counts them.
+#[test]
+fn evaluations_are_counted_once_a_kick() {
+    use rattle::{Geodesic, PositionVerlet, Shake};
+    let h = 0.01;
+    assert_eq!(Rattle::new(h).evaluations(), Some(1));
+    assert_eq!(Geodesic::new(8, h).evaluations(), Some(1));
+    assert_eq!(PositionVerlet::new(h).evaluations(), Some(1));
+    assert_eq!(Shake::new(h).evaluations(), Some(1));
+    assert_eq!(Composition::new(SUZUKI_1990_ORDER_4, h).evaluations(), Some(5));
+    assert_eq!(Composition::of(SUZUKI_1990_ORDER_4, Geodesic::new(4, h)).evaluations(), Some(5));
+    assert_eq!(Lobatto::<3>::new(h).evaluations(), None);
+}
+
+/// A state that remembers a method is still asked whether its momentum is along the constraint of another scene.
+#[test]
+fn momenta_of_another_scene_are_refused() {
+    let method = Rattle::new(0.01).guess(LastMultiplier);
+    let plane = Scene::on(rattle::surfaces::Plane { a: 0.0, b: 0.0, c: 1.0, d: 0.5 });
+    let start = State::at([1.0, 0.0, 0.5]).moving([-1.0, 0.0, 0.0]);
+    let start = plane.project(&start).unwrap();
+    let mut simulation = plane.simulate(start, method).unwrap();
+    simulation.run(2).unwrap();
+    let q = simulation.position();
+    let sphere = Scene::on(Sphere { r: q.norm() });
+    let error = sphere.simulate(simulation.state(), method).unwrap_err().to_string();
+    assert!(error.contains("tangent"), "{error}");
+}

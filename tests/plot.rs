@@ -237,6 +237,19 @@ fn bars_stand_on_zero() {
     assert!((y[1] + height[1] - bottom).abs() < 0.02 && height[1] > 300.0, "{y:?} {height:?} {bottom}");
 }
 
+/// On a logarithmic axis of x too, where the foot of the first would be below zero.
+#[test]
+fn bars_stand_over_powers() {
+    let svg = Chart::new("").log_x().bars("", [(1.0, 3.0), (10.0, 2.0), (100.0, 1.0)]).to_svg().unwrap();
+    let left = frame(&svg)[0];
+    let (x, width) = (numbers(&svg, "crispEdges", "x"), numbers(&svg, "crispEdges", "width"));
+    assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    assert!(
+        x.len() == 3 && (x[0] - left).abs() < 0.02 && width.iter().all(|&width| width > 1.0),
+        "{x:?} {width:?}"
+    );
+}
+
 /// Decay is a straight line where only y is logarithmic, and a power on log–log axes is none there.
 #[test]
 fn one_axis_may_be_logarithmic() {

@@ -223,3 +223,34 @@ fn sights_know_their_scenes() {
         assert!(off < 1e-11, "{i}: {off:e}");
     }
 }
+
+/// A sweep over networks of several sizes goes one by one, and its snapshot holds all bodies of each.
+#[test]
+fn snapshots_of_several_sizes() {
+    let chain = |rods: usize| {
+        let links = (0..rods).map(|i| [i, i + 1]);
+        let scene = Scene::points(rods + 1).link(Rod { length: 1.0 }, links).pin(0, [0.0; 2]);
+        (scene, State::of((0..=rods).map(|i| [i as f64, 0.0])))
+    };
+    let [few, many] = [chain(2), chain(4)];
+    let sweep = [(&few.0, few.1), (&many.0, many.1)];
+    let mut ensemble = Ensemble::sweep(Double, sweep, Rattle::new(0.01)).unwrap();
+    ensemble.run(3);
+    let snapshot = ensemble.snapshot();
+    let all: Vec<_> = (0..2).flat_map(|i| ensemble.state(i).positions().collect::<Vec<_>>()).collect();
+    assert_eq!((snapshot.positions.len(), snapshot.momenta.len()), (8, 8));
+    assert_eq!(snapshot.positions, all);
+}
+
+/// More equations than coordinates: lanes that go by themselves are looked at all the same.
+#[test]
+fn snapshots_of_redundant_links() {
+    let pins = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]];
+    let scene = Scene::points(4).link(Rod { length: 1.0 }, (0..3).map(|i| [i, 3]));
+    let scene = (0..3).fold(scene, |scene, i| scene.pin(i, pins[i]));
+    let start = State::of(pins.into_iter().chain([[0.0; 2]]));
+    let mut ensemble = scene.ensemble(vec![start; 3], Rattle::new(0.01)).unwrap();
+    assert_eq!(ensemble.snapshot().positions[3].norm(), 0.0);
+    ensemble.run(2);
+    assert_eq!(ensemble.snapshot().positions[7].norm(), 0.0);
+}

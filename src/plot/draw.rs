@@ -195,7 +195,10 @@ impl Frame {
             Style::Bars(width) => {
                 for &(x, y) in &curve.points {
                     let [a, b] = [-0.5, 0.5].map(|side| x + side * FILLED * width);
-                    svg.rectangle(self.point((a, self.y.base())), self.point((b, y)), &curve.colour);
+                    let (mut foot, head) = (self.point((a, self.y.base())), self.point((b, y)));
+                    // Left of the axis, or at no place of a logarithmic one.
+                    foot.0 = foot.0.max(self.left);
+                    svg.rectangle(foot, head, &curve.colour);
                 }
             }
             Style::Points => {}

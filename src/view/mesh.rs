@@ -388,7 +388,8 @@ fn project(
         normal = gradient.map(|component| component / slope);
         let step = (value / slope).clamp(-cell, cell);
         point = [0, 1, 2].map(|i| point[i] - step * normal[i]);
-        if step.abs() <= ON_SURFACE * cell {
+        let size = point.into_iter().fold(step.abs(), |size: f64, x| size.max(x.abs()));
+        if step.abs() <= ON_SURFACE * if cell.is_finite() { cell } else { size } {
             break;
         }
     }

@@ -21,7 +21,8 @@ use crate::number::vector::{add_scaled, dot, scaled, sum};
 /// step. Of second order while a body slides. The surface holds a body from both sides, so N has no sign: N = |f·n +
 /// κv²|, with the force f and the curvature κ of the path. For linked bodies N is the size of the force of all links on
 /// the body. Where links move, v is what is left without the motion that they impose: what a lift carries up does not
-/// slide; where they are curved too, friction is of first order. The mass of each body must be a number.
+/// slide; where they are curved too, friction is of first order. The mass of each body must be a number. Where time
+/// runs back a body at rest is an error, `FlowNotFound`: what it did before is not known.
 ///
 /// ```
 /// use rattle::effect::DryFriction;

@@ -103,7 +103,8 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Whether the flow is a push: a change in proportion to h that does not depend on momenta. Such a flow also acts
     /// in [Brownian motion](crate::methods::brownian::Brownian), which has no momenta.
     const PUSHES: bool = false;
-    /// Whether the force on each body is independent of the other bodies.
+    /// Whether the force on each body is independent of the other bodies, of the number of the body, and of time. It is
+    /// asked for by [`kick`](Self::kick) then.
     const ON_EACH: bool = false;
     /// The number of numbers in the memory of the effect, in a scene of `bodies` bodies. The effect may depend on this
     /// memory: it is restored with the positions when a step fails, and is part of a
@@ -118,9 +119,8 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn first_marks(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) -> Result<(), EffectMistake> {
         Ok(())
     }
-    /// Updates the memory `marks`, whose old values are also in the interval, as a time h passes at the present
-    /// positions. Called before each flow that precedes a step, and after each flow that follows it. Neither allocates
-    /// nor panics.
+    /// Updates the memory `marks`, which the interval does not hold here, as a time h passes at the present positions.
+    /// Called before each flow that precedes a step, and after each flow that follows it. Neither allocates nor panics.
     fn take_note(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) {}
 
     /// The properties of the flow.

@@ -19,9 +19,8 @@ use nalgebra::{SMatrix, SVector};
 /// **Kinks.** Where g has `abs`, `sign`, `min`, `max`, `if` or `cbrt`, its derivatives may jump. A step across a point
 /// where the normal ∇g/|∇g| jumps fails with [`StepFailure::Kink`](crate::error::StepFailure::Kink), since Newton's
 /// laws do not determine the momentum after it. Where only the curvature jumps, as for `abs(x)^3` or `max(x, 0)^2`,
-/// steps succeed, but are less accurate than the order of the method says. Constraints on phase space are not checked
-/// for kinks. Kinks of *potentials* are no errors: where a force jumps the motion is well defined, and energy is
-/// conserved to first order in the step.
+/// steps succeed, but are less accurate than the order of the method says. Kinks of *potentials* are no errors: where a
+/// force jumps the motion is well defined, and energy is conserved to first order in the step.
 pub trait Constraint<const D: usize, const M: usize>: Sized + 'static {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: ConstraintKernel<T, D, M>;

@@ -71,7 +71,9 @@ pub(crate) fn short_name<P>() -> &'static str {
 fn innermost(mut name: &'static str) -> &'static str {
     // Each trajectory of an ensemble asks for it, and to look for a word takes a tenth of a microsecond.
     if name.contains('<') {
-        for wrapper in ["over::Over<", "kinds::Kinds<", "within::Along<", "within::Within<"] {
+        for wrapper in
+            ["over::Over<", "kinds::Kinds<", "within::Along<", "within::AlongGeodesics<", "within::Within<"]
+        {
             name = name.split_once(wrapper).map_or(name, |(_, potential)| potential);
         }
     }
@@ -84,7 +86,7 @@ mod tests {
     use super::*;
     use crate::kernel::kinds::Kinds;
     use crate::kernel::space::Periodic;
-    use crate::kernel::within::Within;
+    use crate::kernel::within::{Along, AlongGeodesics, Within};
 
     #[test]
     fn potentials_are_named_without_what_they_stand_in() {
@@ -95,6 +97,8 @@ mod tests {
         assert_eq!(short_name::<Within<Pull>>(), "Pull");
         assert_eq!(short_name::<Within<Between<Pull>, Periodic<3>>>(), "Between");
         assert_eq!(short_name::<Kinds<Within<Pull>>>(), "Pull");
+        assert_eq!(short_name::<Along<Pull, Between<Pull>>>(), "Pull");
+        assert_eq!(short_name::<AlongGeodesics<Pull, Between<Pull>>>(), "Pull");
         assert_eq!(short_name::<Over<Pull, 2>>(), "Pull");
     }
 }

@@ -99,6 +99,9 @@ impl<B: Method> Method for Composition<B> {
         let of_each = self.coefficients.gammas.iter();
         of_each.flat_map(|gamma| self.base.with_step(gamma * self.base.step_size()).stages()).collect()
     }
+    fn evaluations(&self) -> Option<usize> {
+        Some(self.base.evaluations()? * self.coefficients.gammas.len())
+    }
     fn parameters(&self) -> Vec<f64> {
         let parameters = self.base.parameters();
         if self.stages().is_empty() { [self.coefficients.gammas, &parameters].concat() } else { parameters }

@@ -70,7 +70,7 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
 
     /// Whether the map is a splitting into [stages](Self::stages), which ensembles compute in SIMD lanes.
     const SPLITTING: Splitting = Splitting::Not;
-    /// How often a step evaluates the forces, where that does not follow from the stages.
+    /// How often a step evaluates the forces, where that is not once for each stage.
     const EVALUATIONS: Option<usize> = None;
     /// The stages of a step of this size in order, as many as [`SPLITTING`](Self::SPLITTING) says.
     fn stages(&self, _h: f64) -> Vec<Stage> {

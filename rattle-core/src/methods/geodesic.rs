@@ -53,6 +53,7 @@ impl Map for KickDriftsKick {
     const SYMMETRIC: bool = true;
 
     const SPLITTING: Splitting = Splitting::Stages;
+    const EVALUATIONS: Option<usize> = Some(1);
     fn stages(&self, h: f64) -> Vec<Stage> {
         let kick = |at_end: bool| if at_end { 0.5 * h } else { 0.0 };
         let number = self.inner.min(MOST_INNER); // more are refused before a run

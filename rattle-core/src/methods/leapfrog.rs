@@ -42,6 +42,7 @@ impl Map for DriftKick {
     const ORDER: u32 = 2;
     const SYMMETRIC: bool = false; // positions and momenta would have to change places
     const DELAY: f64 = 0.5;
+    const EVALUATIONS: Option<usize> = Some(1);
 
     fn check(&self, equations: usize) -> Result<(), Error> {
         if equations > 0 {

@@ -41,6 +41,7 @@ impl Map for DriftKickDrift {
     const SYMMETRIC: bool = true;
 
     const SPLITTING: Splitting = Splitting::Stages;
+    const EVALUATIONS: Option<usize> = Some(1);
     fn stages(&self, h: f64) -> Vec<Stage> {
         vec![Stage { before: 0.0, h: 0.5 * h, after: h }, Stage { before: 0.0, h: 0.5 * h, after: 0.0 }]
     }

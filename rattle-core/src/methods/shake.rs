@@ -51,6 +51,7 @@ impl Map for KickKickDrift {
     const ORDER: u32 = 2;
     const SYMMETRIC: bool = false; // positions and momenta would have to change places
     const DELAY: f64 = -0.5;
+    const EVALUATIONS: Option<usize> = Some(1);
 
     #[inline(always)]
     fn map<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(

@@ -84,8 +84,8 @@ pub trait Affected<T: Scalar, const D: usize>: Parts<T, D> {
         bodies.marks = marks;
     }
 
-    /// Adds the force of effect number `number` alone, and returns the name of its type; `None` for a flow, and past
-    /// the last effect.
+    /// Adds the force of effect number `number` alone, and returns the name of its type; `None` for a flow. There
+    /// are [`EFFECTS`](Self::EFFECTS) of them.
     fn add_force_alone(
         &self,
         number: usize,

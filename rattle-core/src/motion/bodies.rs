@@ -131,7 +131,7 @@ pub struct Bodies<N: Count, T: Scalar, X, const D: usize> {
     pub p_low: N::Of<[T; D]>,
     /// The time, which a system has pass with its drifts wherever constraints or forces change with it.
     pub time: f64,
-    /// Work done by moving constraints, by flows of momenta and by impacts since the start.
+    /// Work done by moving constraints, potentials that change with time, flows of momenta and impacts since the start.
     pub work: T,
     /// ∂U/∂t by effects whose potential changes with time, with the last forces; zero where there are none.
     pub power: T,

@@ -15,8 +15,8 @@ use std::array::from_fn;
 /// whose momenta and forces are separate.
 pub trait Rates<N: Count, X, T: Scalar, const D: usize> {
     /// Writes ṗ = f + Gᵀλ of each body, with λ such that g̈ = 0, at the present positions, from the normals and forces
-    /// kept there. Positions and momenta may be a little off the constraints. Returns the power of moving constraints,
-    /// −λᵀ ∂g/∂t. `witness` gets λ as that of the start of a step. Neither allocates nor panics.
+    /// kept there. Positions and momenta may be a little off the constraints. Returns the power of what moves with
+    /// time, ∂U/∂t − λᵀ ∂g/∂t. `witness` gets λ as that of the start of a step. Neither allocates nor panics.
     fn evaluate_rates<W: Witness<T>>(
         &self,
         bodies: &mut Bodies<N, T, X, D>,

@@ -90,6 +90,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     pub(crate) fn ready<S: Method>(&self, start: &State<D>, method: &S) -> Result<C::System<E, N>, Error> {
         check_step_size(method.step_size())?;
         let own = start.remembered.as_ref().is_some_and(|memory| memory.method == method.identity());
+        let own = const { !S::TANGENT } && own;
         let tangent = method.momentum_delay() == 0.0 && !own && !S::RENEWS; // which draws momenta anew
         let system = self.system_at(start, method.step_size(), tangent)?;
         method.check(system.equations())?;

@@ -169,7 +169,7 @@ impl Part {
         least: f64,
     ) -> S {
         let &Self { h, unit, reach, .. } = self;
-        let [reach, path] = [reach, reach * PATH * h / unit].map(S::from_f64);
+        let [reach, path] = [reach, reach * PATH * (h / unit).abs()].map(S::from_f64);
         // Lengths by their largest coordinate: roots take long.
         let over = S::from_f64(ROOT_3) * largest(normal) / square;
         let along = over * path * largest(way).max(S::from_f64(unit * least));

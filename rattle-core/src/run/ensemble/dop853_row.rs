@@ -300,6 +300,15 @@ impl<const W: usize> Pace<W> {
         self.method.tolerance().is_some()
     }
 
+    pub(super) fn tolerance(&self) -> Option<f64> {
+        self.method.tolerance()
+    }
+
+    /// The whole step.
+    pub(super) fn whole(&self) -> f64 {
+        self.method.step_size()
+    }
+
     /// Notes the errors of a body, from [`Track::squares`] of its places and of its velocities.
     #[inline(always)]
     pub(super) fn note(&mut self, places: &[Numbers<W>; 2], velocities: &[Numbers<W>; 2]) {

@@ -215,7 +215,7 @@ where
             go_apart(common, &self.obeyed.laws[law], lane, part, numbers, &mut bodies[law])
         };
         let (n, mut account) = (self.bodies_of_each(), self.account.clone());
-        let freedom = common.plan.moving.len() - common.plan.equations;
+        let freedom = common.plan.moving.len().saturating_sub(common.plan.equations);
         while let Some(Leg { from, steps, written, shown }) = tour.next() {
             let pulling = room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<LinkedRow, W>);
             if let Some(stirring) = &self.obeyed.stirring {

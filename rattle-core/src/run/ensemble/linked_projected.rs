@@ -17,6 +17,7 @@
 
 use crate::methods::dop853::Dop853;
 use crate::methods::dop853_table::STAGES;
+use crate::motion::course::{ASTRAY, ROUNDINGS_OF_WAYS};
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
@@ -105,6 +106,8 @@ pub(super) struct Desk<'a, const W: usize> {
     /// Places beside those of bodies, and how far off them a step may lead.
     beside: Vec<Numbers<W>>,
     off: Vec<Numbers<W>>,
+    /// Places and velocities to which the inner step led regardless of the constraints; with a tolerance.
+    departed: [Vec<Numbers<W>>; 2],
     /// Whether a lane [seeks](MOVES) the constraints, and the distance that it began its last Newton step at.
     seeking: Which<W>,
     distance: Numbers<W>,
@@ -141,6 +144,7 @@ impl<'a, const W: usize> Desk<'a, W> {
             of_entries: rows(entries),
             beside: rows(n),
             off: rows(n),
+            departed: [rows(n), rows(n)],
             seeking: [ARRIVED; W],
             distance: zeros(),
             strays: zeros(),
@@ -210,6 +214,7 @@ impl<'a, const W: usize> Desk<'a, W> {
             self.course.project(&mut self.numbers);
             self.respond(false, pulling);
             self.look();
+            self.weigh();
             if !self.take(pass + 1) {
                 return;
             }
@@ -247,6 +252,11 @@ impl<'a, const W: usize> Desk<'a, W> {
                 let (mut sum, mut rest) = (zeros(), zeros());
                 track.arrive(c, &self.pace.inner, &mut sum, &mut rest);
                 (self.numbers[high + c], self.numbers[low + c]) = (sum, rest);
+            }
+        }
+        if self.pace.has_tolerance() {
+            for (departed, from) in self.departed.iter_mut().zip([q, way]) {
+                departed.copy_from_slice(&self.numbers[from..from + plan.coordinates]);
             }
         }
     }
@@ -355,6 +365,33 @@ impl<'a, const W: usize> Desk<'a, W> {
                 (self.strays.0[l], self.radius.0[l]) = (astray, bent(path.0[l], astray));
             }
             self.pace.doubt(l, believed);
+        }
+    }
+
+    /// Has lanes go by themselves in which constraints [moved](crate::motion::course::moved) a body too far from where
+    /// its inner step led.
+    #[inline(always)]
+    fn weigh(&mut self) {
+        let Some(tolerance) = self.pace.tolerance() else { return };
+        let (plan, h) = (self.course.plan, self.pace.whole().abs());
+        let Places { q, way, .. } = plan.places;
+        for own in plan.moving.chunk_by(|a, b| a / self.dimension == b / self.dimension) {
+            let [mut off, mut turned, mut size, mut speed] = [[0.0_f64; W]; 4];
+            for &c in own {
+                let (place, velocity) = (&self.numbers[q + c], &self.numbers[way + c]);
+                for l in 0..W {
+                    let (place, velocity) = (place.0[l].0, velocity.0[l].0);
+                    let [way, change] =
+                        [place - self.departed[0][c].0[l].0, velocity - self.departed[1][c].0[l].0];
+                    (off[l], turned[l]) = (off[l] + way * way, turned[l] + change * change);
+                    (size[l], speed[l]) = (size[l].max(place.abs()), speed[l].max(velocity.abs()));
+                }
+            }
+            for l in 0..W {
+                let rounding = ROUNDINGS_OF_WAYS * f64::EPSILON * (size[l] + h * speed[l]);
+                let moved = off[l].sqrt() + h * turned[l].sqrt();
+                self.pace.doubt(l, moved <= ASTRAY * tolerance + rounding);
+            }
         }
     }
 

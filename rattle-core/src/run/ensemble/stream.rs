@@ -14,7 +14,8 @@ pub struct Snapshot<const D: usize> {
     /// The time of each trajectory. Times differ where starts do, and where a trajectory has failed: its time stays
     /// that of its last step.
     pub times: Vec<f64>,
-    /// Positions: all bodies of the first trajectory, then of the second, and so on.
+    /// Positions: all bodies of the first trajectory, then of the second, and so on; in a sweep over networks of
+    /// several sizes, as many as each has.
     pub positions: Vec<SVector<f64, D>>,
     /// Momenta, in the same order.
     pub momenta: Vec<SVector<f64, D>>,
@@ -77,16 +78,16 @@ impl<const D: usize> Ensemble<D> {
     }
 
     fn fill(&self, snapshot: &mut Snapshot<D>) {
-        let bodies = self.bodies();
+        let bodies: usize = self.groups.iter().map(|group| group.len() * group.bodies()).sum();
         let Snapshot { steps, times, positions, momenta } = snapshot;
         *steps = self.steps;
         times.resize(self.len, 0.0);
-        positions.resize(self.len * bodies, SVector::zeros());
-        momenta.resize(self.len * bodies, SVector::zeros());
+        positions.resize(bodies, SVector::zeros());
+        momenta.resize(bodies, SVector::zeros());
         let (mut times, mut positions, mut momenta) = (&mut times[..], &mut positions[..], &mut momenta[..]);
         let mut pages = Vec::with_capacity(self.groups.len());
         for group in &self.groups {
-            let (trajectories, all) = (group.len(), group.len() * bodies);
+            let (trajectories, all) = (group.len(), group.len() * group.bodies());
             let page = Page {
                 times: times.split_off_mut(..trajectories).unwrap_or_default(),
                 positions: positions.split_off_mut(..all).unwrap_or_default(),

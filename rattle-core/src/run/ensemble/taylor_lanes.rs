@@ -210,7 +210,11 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
         parts: u32,
         bodies: &mut BodiesOf<One, S, B, D>,
     ) -> Result<(), Failure> {
-        let part = self.method.with_step(self.method.step_size() / f64::from(parts));
+        let mut part = self.method.with_step(self.method.step_size() / f64::from(parts));
+        if let Some(tolerance) = self.method.tolerance() {
+            let tolerance = tolerance.max(least_tolerance(&bodies.q[0]).to_f64());
+            part = Taylor::adaptive(part.order(), part.step_size(), tolerance);
+        }
         let view = (system, system, system);
         part.prepare::<S, OnSurface<A, B, One, OneByOne>, D>(view, bodies);
         (0..parts).try_for_each(|_| {

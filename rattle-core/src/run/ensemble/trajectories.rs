@@ -436,7 +436,8 @@ impl<const D: usize> Ensemble<D> {
         self.len == 0
     }
 
-    /// The number of bodies of each trajectory; 0 where there is no trajectory.
+    /// The number of bodies of each trajectory, or of the first in a sweep over networks of several sizes; 0 where
+    /// there is no trajectory.
     #[must_use]
     pub fn bodies(&self) -> usize {
         self.groups.first().map_or(0, |group| group.bodies())

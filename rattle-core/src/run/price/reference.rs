@@ -68,8 +68,9 @@ pub(super) fn pilot(runner: &Runner<'_>, duration: f64, seconds: f64) -> Result<
     let rung = Rung { candidate: Candidate::Rattle, h: longest, tolerance: 0.0 };
     let mut moving = runner.scene.begin(rung)?;
     let begun = runner.clock.now();
-    moving.run(PROBE.min((duration / longest) as u64))?;
-    let a_step = ((runner.clock.now() - begun) / PROBE as f64).max(1e-12);
+    let steps = PROBE.min((duration / longest) as u64).max(1);
+    moving.run(steps)?;
+    let a_step = ((runner.clock.now() - begun) / steps as f64).max(1e-12);
     let affordable = seconds / a_step * longest;
     let length = duration / (duration / affordable).ceil().clamp(1.0, 1e15);
     let looks = (length / (16.0 * longest)).clamp(LOOKS.0, LOOKS.1).log2().floor().exp2() as u64;

@@ -52,7 +52,8 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
     }
 
     fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
-        let (system, mut state) = (self.in_phase_space(crate::motion::bodies::One), state.clone());
+        let system = self.in_phase_space(crate::motion::bodies::One);
+        let mut state = State { remembered: None, ..state.clone() };
         for (number, body) in state.bodies.iter_mut().enumerate() {
             let cause = |cause| Error::Start { body: number, cause };
             let Point { q, p } = system.project(body).map_err(cause)?;
