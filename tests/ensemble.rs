@@ -585,22 +585,3 @@ fn a_bill_of_trajectories() {
     let nothing = scene.ensemble([], Rattle::new(0.01)).unwrap().bill().unwrap();
     assert!(nothing.items.is_empty() && nothing.step == 0.0);
 }
-
-potential! {
-    /// A slope that one number of 32 bits does not hold far out.
-    struct Steep { k }
-    |x, _y| k * x^4
-}
-
-/// A lane whose force its numbers do not hold does not take the others out of a snapshot.
-#[test]
-fn a_lane_without_numbers_leaves_the_others_in_sight() {
-    let plane = Scene::point::<2>().with(Steep { k: 1e30 });
-    let starts = (0..40).map(|i| State::at([if i == 7 { 1e4 } else { 0.01 * f64::from(i) }, 1.0]));
-    let ensemble = plane.ensemble_in(Single, starts, Rattle::new(1e-20)).unwrap();
-    let snapshot = ensemble.snapshot();
-    for (i, q) in snapshot.positions.iter().enumerate() {
-        let x = if i == 7 { 1e4 } else { 0.01 * i as f64 };
-        assert!((q.x - x).abs() <= 1e-7 * x && q.y == 1.0, "{i}: {q}");
-    }
-}
