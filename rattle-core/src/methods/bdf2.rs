@@ -72,7 +72,6 @@ impl Method for Bdf2 {
     type Memory<T: Scalar> = Vec<T>;
     type Need = (Differences, WithRates);
     const HAS_STRUCTURE: bool = false;
-    const TANGENT: bool = false;
 
     fn step_size(&self) -> f64 {
         self.h

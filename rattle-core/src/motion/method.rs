@@ -101,10 +101,6 @@ pub trait Method: Clone + Send + Sync + 'static {
         None
     }
 
-    /// Whether momenta are along the constraints after each step. A start by a method for which they are not may hold
-    /// momenta of its own steps.
-    const TANGENT: bool = true;
-
     /// Whether a step draws random numbers.
     const DRAWS: bool = false;
 

@@ -9,6 +9,7 @@ use crate::methods::able::{no_way_back, view};
 use crate::motion::bodies::{Body, Count};
 use crate::motion::failure::Failure;
 use crate::motion::hold::Hold;
+use crate::motion::identity::Identity;
 use crate::motion::method::{Method, check_step_size};
 use crate::motion::parts::BodiesOf;
 use crate::motion::parts::Parts;
@@ -89,10 +90,15 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// Says what is wrong with a start, or gives the system that is ready to move from there.
     pub(crate) fn ready<S: Method>(&self, start: &State<D>, method: &S) -> Result<C::System<E, N>, Error> {
         check_step_size(method.step_size())?;
-        let own = start.remembered.as_ref().is_some_and(|memory| memory.method == method.identity());
-        let own = const { !S::TANGENT } && own;
-        let tangent = method.momentum_delay() == 0.0 && !own && !S::RENEWS; // which draws momenta anew
-        let system = self.system_at(start, method.step_size(), tangent)?;
+        let own = start.remembered.as_ref().filter(|memory| memory.method == method.identity());
+        let tangent = method.momentum_delay() == 0.0 && !S::RENEWS; // which draws momenta anew
+        let mut system = self.system_at(start, method.step_size(), tangent && own.is_none())?;
+        if let Some(memory) = own
+            && tangent
+            && !memory.system.is(&Identity::of_system(&system, &bodies_at(&system, start)))
+        {
+            system = self.system_at(start, method.step_size(), true)?; // the memory is of another scene
+        }
         method.check(system.equations())?;
         view(method, &system)?;
         if method.step_size() < 0.0 {
