@@ -108,8 +108,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                     |row: usize| rows.touched_by(row).map(|(block, _)| dot(&here[block], &here[block]));
                 rows.touched().iter().for_each(|&body| room.trial[body] = q[body]);
                 for row in 0..rows.equations() {
-                    let shift = share * reach / square(row).sum::<f64>().sqrt();
-                    for (block, body) in rows.touched_by(row).filter(|&(_, body)| !shape.is_pinned(body)) {
+                    let free = || rows.touched_by(row).filter(|&(_, body)| !shape.is_pinned(body));
+                    let of_free: f64 = free().map(|(block, _)| dot(&here[block], &here[block])).sum();
+                    // What bodies that are free do alone, for those that are pinned too.
+                    let shift = share * reach * square(row).sum::<f64>().sqrt() / of_free;
+                    for (block, body) in free() {
                         room.trial[body] = add_scaled(&room.trial[body], shift, &here[block]);
                     }
                 }
