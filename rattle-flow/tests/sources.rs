@@ -1,80 +1,40 @@
 //! Rain and inflow that change with time: what falls is what was asked for, and runs end.
 
-use rattle_flow::{
-    Conservative, Flow, FlowError, Mesh, Method, Resistance, Simulation, StepInfo, Trouble, dam_break,
-};
+mod common;
+
+use common::around;
+use rattle_flow::{Flow, FlowError, Mesh, Method, Resistance, Simulation, dam_break};
 
 /// A method that may try so many steps, and then is a failure of the test: what never ends is seen without a clock.
-struct Counted {
-    inner: Conservative,
-    left: usize,
-}
-
-impl Method for Counted {
-    fn step(
-        &mut self,
-        flow: &Flow,
-        depth: &[f64],
-        guess: &mut [f64],
-        step: f64,
-        sources: (&[f64], &[f64]),
-    ) -> Result<StepInfo, Trouble> {
-        assert!(self.left > 0, "too many steps were tried, the last of length {step:e}");
-        self.left -= 1;
-        self.inner.step(flow, depth, guess, step, sources)
-    }
-    fn undo(&mut self) {
-        self.inner.undo();
-    }
-    fn mean_flux(&self, flow: &Flow, depth: &[f64]) -> f64 {
-        self.inner.mean_flux(flow, depth)
-    }
-    fn flux(&self, flow: &Flow, depth: &[f64]) -> Vec<[f64; 2]> {
-        self.inner.flux(flow, depth)
-    }
+fn counted(flow: &Flow, mut left: usize) -> impl Method + use<> {
+    around(flow, move |step, guess, make| {
+        assert!(left > 0, "too many steps were tried, the last of length {step:e}");
+        left -= 1;
+        make(guess)
+    })
 }
 
 /// A method whose depths are up and down by a millionth from step to step, however short.
-struct Noisy {
-    inner: Conservative,
-    up: bool,
-}
-
-impl Method for Noisy {
-    fn step(
-        &mut self,
-        flow: &Flow,
-        depth: &[f64],
-        guess: &mut [f64],
-        step: f64,
-        sources: (&[f64], &[f64]),
-    ) -> Result<StepInfo, Trouble> {
-        let info = self.inner.step(flow, depth, guess, step, sources)?;
-        self.up = !self.up;
-        let factor = if self.up { 1.0 + 1e-6 } else { 1.0 - 1e-6 };
+fn noisy(flow: &Flow) -> impl Method + use<> {
+    let mut up = false;
+    around(flow, move |_, guess, make| {
+        let info = make(guess)?;
+        up = !up;
+        let factor = if up { 1.0 + 1e-6 } else { 1.0 - 1e-6 };
         guess.iter_mut().for_each(|h| *h *= factor);
         Ok(info)
-    }
-    fn undo(&mut self) {
-        self.inner.undo();
-    }
-    fn mean_flux(&self, flow: &Flow, depth: &[f64]) -> f64 {
-        self.inner.mean_flux(flow, depth)
-    }
-    fn flux(&self, flow: &Flow, depth: &[f64]) -> Vec<[f64; 2]> {
-        self.inner.flux(flow, depth)
-    }
+    })
 }
 
 /// A hillside of 100 by 20, dry, that leaks at its foot. Rain and so on are `with` it.
-fn hillside(with: impl FnOnce(Flow) -> Flow, step: f64, left: usize) -> Simulation<Counted> {
+fn hillside(with: impl FnOnce(Flow) -> Flow, step: f64, left: usize) -> Simulation<impl Method> {
     let mesh = Mesh::polygon(&[[0.0, 0.0], [100.0, 0.0], [100.0, 20.0], [0.0, 20.0]], 5.0).unwrap();
     let dry = vec![0.0; mesh.points().len()];
     let flow = Flow::over(mesh, Resistance::Manning)
         .terrain(|[x, _]| 0.05 * x)
         .friction(|_| 0.05)
         .outlet(0.05, |[x, _]| x < 1e-6);
-    with(flow).simulate_by(dry, step, |flow| Counted { inner: Conservative::of(flow), left }).unwrap()
+    with(flow).simulate_by(dry, step, |flow| counted(flow, left)).unwrap()
 }
 
 const AREA: f64 = 2000.0;
@@ -86,7 +46,7 @@ fn shower(from: f64, to: f64) -> impl Fn([f64; 2], f64) -> f64 + Send + Sync + '
 }
 
 /// The books close, and have so much rain.
-fn check(simulation: &Simulation<Counted>, rain: f64, most: f64) {
+fn check(simulation: &Simulation<impl Method>, rain: f64, most: f64) {
     let budget = simulation.budget();
     assert!(simulation.depth().iter().all(|&h| h >= 0.0));
     assert!(budget.remainder().abs() < 1e-13 * rain, "{budget:?}");
@@ -251,7 +211,7 @@ fn a_tolerance_that_is_too_small_is_an_error() {
     let mesh = dam_break::mesh(0.5).unwrap();
     let depth = dam_break::depth(&mesh);
     let start = |left| {
-        let method = |flow: &Flow| Counted { inner: Conservative::of(flow), left };
+        let method = |flow: &Flow| counted(flow, left);
         dam_break::flow(mesh.clone()).simulate_by(depth.clone(), 1e-2, method).unwrap()
     };
     for tolerance in [1e-15, 0.0, -1.0, f64::NAN] {
@@ -276,7 +236,6 @@ fn a_tolerance_that_is_too_small_is_an_error() {
 fn a_tolerance_that_no_step_meets_is_told() {
     let mesh = dam_break::mesh(0.5).unwrap();
     let depth = dam_break::depth(&mesh);
-    let noisy = |flow: &Flow| Noisy { inner: Conservative::of(flow), up: false };
     let mut simulation = dam_break::flow(mesh).simulate_by(depth, 1e-2, noisy).unwrap();
     simulation.run(2).unwrap();
     let error = simulation.run_until(1.0, 1e-9, 1.0).unwrap_err();
@@ -357,7 +316,7 @@ fn runs_of_any_kind_end() {
         }
         let (tolerance, first) = (10_f64.powf(-2.0 - 2.0 * random()), 10_f64.powf(-2.0 + 4.0 * random()));
         let longest = [60.0, 600.0, f64::INFINITY][(3.0 * random()) as usize];
-        let method = |flow: &Flow| Counted { inner: Conservative::of(flow), left: 2000 };
+        let method = |flow: &Flow| counted(flow, 2000);
         let mut simulation = flow.simulate_by(vec![wet; vertices], first, method).unwrap();
         simulation.run_until(6000.0, tolerance, longest).unwrap();
         let budget = simulation.budget();

@@ -1,6 +1,9 @@
 //! Time steps: chosen by their error, halved where they fail, and what stays when they fail for good.
 
-use rattle_flow::{Budget, Conservative, Flow, FlowError, Method, Settings, StepInfo, Trouble, dam_break};
+mod common;
+
+use common::around;
+use rattle_flow::{Budget, Conservative, Flow, FlowError, Method, Settings, Trouble, dam_break};
 
 /// With 4 times as small a tolerance steps are half as long, and the error, as long as space does not matter, half.
 #[test]
@@ -43,40 +46,16 @@ fn a_flow_that_changes_little_takes_long_steps() {
     assert!(low >= 0.0 && high < level && high > 0.75, "{low} {high}");
 }
 
-/// A method that fails as it is told.
-struct Failing {
-    inner: Conservative,
-    /// Steps that may be made, and then how long a step may be.
-    good: usize,
-    longest: f64,
-    trouble: Trouble,
-}
-
-impl Method for Failing {
-    fn step(
-        &mut self,
-        flow: &Flow,
-        depth: &[f64],
-        guess: &mut [f64],
-        step: f64,
-        sources: (&[f64], &[f64]),
-    ) -> Result<StepInfo, Trouble> {
-        if self.good == 0 && step > self.longest {
+/// A method that fails as it is told: so many steps may be made, and then steps no longer than this.
+fn failing(flow: &Flow, mut good: usize, longest: f64, trouble: Trouble) -> impl Method + use<> {
+    around(flow, move |step, guess, make| {
+        if good == 0 && step > longest {
             guess.fill(f64::NAN);
-            return Err(self.trouble);
+            return Err(trouble);
         }
-        self.good = self.good.saturating_sub(1);
-        self.inner.step(flow, depth, guess, step, sources)
-    }
-    fn undo(&mut self) {
-        self.inner.undo();
-    }
-    fn mean_flux(&self, flow: &Flow, depth: &[f64]) -> f64 {
-        self.inner.mean_flux(flow, depth)
-    }
-    fn flux(&self, flow: &Flow, depth: &[f64]) -> Vec<[f64; 2]> {
-        self.inner.flux(flow, depth)
-    }
+        good = good.saturating_sub(1);
+        make(guess)
+    })
 }
 
 #[test]
@@ -84,7 +63,7 @@ fn a_step_that_fails_is_halved_and_the_last_good_state_stays() {
     let mesh = dam_break::mesh(0.5).unwrap();
     let depth = dam_break::depth(&mesh);
     let start = |longest, trouble| {
-        let method = |flow: &Flow| Failing { inner: Conservative::of(flow), good: 3, longest, trouble };
+        let method = |flow: &Flow| failing(flow, 3, longest, trouble);
         dam_break::flow(mesh.clone()).simulate_by(depth.clone(), 0.1, method).unwrap()
     };
     let trouble = Trouble::Singular { vertex: 7 };

@@ -433,9 +433,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let Events { meet, search, start, aside, .. } = events;
         self.system.put_aside(&self.before, start);
         let (system, method, bodies) = (&self.system, &self.method, &mut self.bodies);
-        let (flows, halvings, divided, parts) = (!draws(system), least..=most, false, 1);
+        let (flows, halvings, parts) = (!draws(system), least..=most, None);
         let mut stretch =
-            Stretch { system, method, bodies, start, noise, aside, witness, halvings, flows, divided, parts };
+            Stretch { system, method, bodies, start, noise, aside, witness, halvings, flows, parts };
         let number = match flows {
             true => {
                 let in_parts =
@@ -446,12 +446,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             }
             false => stretch.between_flows(|stretch, went| meet(search, stretch, went)),
         }?;
-        let (divided, parts) = (stretch.divided, stretch.parts);
+        let parts = stretch.parts;
         events.number += number;
-        if divided {
+        if parts.is_some() {
             self.memory = self.method.memory(view(&self.method, &self.system)?, &self.bodies);
         }
-        if number == 0 { self.compare(parts) } else { Ok(()) }
+        if number == 0 { self.compare(parts.unwrap_or(1)) } else { Ok(()) }
     }
 
     /// How often a step may be halved.

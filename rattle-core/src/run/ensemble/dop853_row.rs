@@ -273,7 +273,8 @@ impl<const W: usize> Pace<W> {
         Self { method, left, inner, next, taken: [true; W], going: [ARRIVED; W], worst }
     }
 
-    fn h(&self) -> Number {
+    /// The whole step.
+    pub(super) fn h(&self) -> Number {
         Fused(self.method.step_size())
     }
 
@@ -294,19 +295,10 @@ impl<const W: usize> Pace<W> {
         self.worst = zeros();
     }
 
-    /// Whether errors of inner steps are to be [noted](Self::note).
+    /// What errors of inner steps, which are to be [noted](Self::note) then, may be.
     #[inline(always)]
-    pub(super) fn has_tolerance(&self) -> bool {
-        self.method.tolerance().is_some()
-    }
-
     pub(super) fn tolerance(&self) -> Option<f64> {
         self.method.tolerance()
-    }
-
-    /// The whole step.
-    pub(super) fn whole(&self) -> f64 {
-        self.method.step_size()
     }
 
     /// Notes the errors of a body, from [`Track::squares`] of its places and of its velocities.

@@ -192,7 +192,7 @@ impl<'a, const W: usize> Desk<'a, W> {
         (self.strays, self.radius.0) = (zeros(), [Fused(f64::INFINITY); W]);
         for pass in 0..MOST_PASSES {
             self.evaluate(pulling);
-            if self.pace.has_tolerance() {
+            if self.pace.tolerance().is_some() {
                 for first in (0..self.pull.len()).step_by(self.dimension) {
                     let own = first..first + self.dimension;
                     let places = self.tracks[0].squares(own.clone());
@@ -254,7 +254,7 @@ impl<'a, const W: usize> Desk<'a, W> {
                 (self.numbers[high + c], self.numbers[low + c]) = (sum, rest);
             }
         }
-        if self.pace.has_tolerance() {
+        if self.pace.tolerance().is_some() {
             for (departed, from) in self.departed.iter_mut().zip([q, way]) {
                 departed.copy_from_slice(&self.numbers[from..from + plan.coordinates]);
             }
@@ -373,7 +373,7 @@ impl<'a, const W: usize> Desk<'a, W> {
     #[inline(always)]
     fn weigh(&mut self) {
         let Some(tolerance) = self.pace.tolerance() else { return };
-        let (plan, h) = (self.course.plan, self.pace.whole().abs());
+        let (plan, h) = (self.course.plan, self.pace.h().0.abs());
         let Places { q, way, .. } = plan.places;
         for own in plan.moving.chunk_by(|a, b| a / self.dimension == b / self.dimension) {
             let [mut off, mut turned, mut size, mut speed] = [[0.0_f64; W]; 4];

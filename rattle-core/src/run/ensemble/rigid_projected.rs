@@ -179,7 +179,7 @@ impl<'a> Desk<'a> {
     /// Which inner steps are within the tolerance.
     #[inline(always)]
     fn judge(&mut self) {
-        if self.pace.has_tolerance() {
+        if self.pace.tolerance().is_some() {
             let [attitudes, momenta] = &self.tracks;
             for body in 0..self.torques.len() {
                 let mut rates = [zeros(); 2];

@@ -32,10 +32,8 @@ pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usi
     pub(in crate::run) halvings: RangeInclusive<u32>,
     /// Whether flows act inside it, and not around the whole step.
     pub(in crate::run) flows: bool,
-    /// Whether anything was tried but the whole step.
-    pub(in crate::run) divided: bool,
-    /// In how many parts the last try went.
-    pub(in crate::run) parts: u32,
+    /// In how many parts the last try went; none if nothing was tried but the whole step.
+    pub(in crate::run) parts: Option<u32>,
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
@@ -47,7 +45,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
     /// Goes this far from the start: in one step, or in parts if that is allowed and needed. The method remembers
     /// nothing of what was before.
     pub(in crate::run) fn go(&mut self, length: f64) -> Result<(), Trouble> {
-        self.divided = true;
         let (least, most) = (*self.halvings.start(), *self.halvings.end());
         let mut went = self.go_in_parts(length, 1 << least);
         for halved in least + 1..=most {
@@ -77,7 +74,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
 
     fn go_in_parts(&mut self, length: f64, parts: u32) -> Result<(), Trouble> {
         self.go_back();
-        self.parts = parts;
+        self.parts = Some(parts);
         let whole = self.method.with_step(self.sign() * length);
         let method =
             if parts == 1 { whole.clone() } else { whole.with_step(whole.step_size() / f64::from(parts)) };

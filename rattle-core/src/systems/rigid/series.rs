@@ -26,14 +26,15 @@ impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
     /// Writes Q₀, Q₁, … of all bodies in turn, as many as `series` has room for.
     pub(super) fn expand_motion(&self, bodies: &mut BodiesOf<F, N>, series: &mut [[f64; 9]]) {
         let n = self.count.number();
-        let room = bodies.kept.series.get_or_insert_with(|| self.room_for_series(series.len() / n.max(1)));
+        let orders = series.len() / n.max(1);
+        let room = bodies.kept.series.get_or_insert_with(|| self.room_for_series(orders));
         let SeriesRoom { products, force, m } = &mut **room;
         series[..n].copy_from_slice(bodies.q.as_ref());
         for (m, p) in m.iter_mut().zip(bodies.p.as_ref()) {
             *m = from_fn(|i| p[i]);
         }
         self.next_coefficients(0, &mut products.first(), series, m, force);
-        for k in 1..(series.len() / n.max(1)).saturating_sub(1) {
+        for k in 1..orders.saturating_sub(1) {
             self.next_coefficients(k, &mut products.next(k), series, m, force);
         }
     }
