@@ -222,6 +222,18 @@ fn ends_of_the_range() {
     assert!(Fused(farthest).sin().0.is_finite() && Fused(farthest.next_up()).sin().0.is_nan());
 }
 
+/// Also of plain numbers: the standard library's own loses half of the digits near −1.
+#[test]
+fn plain_atanh_is_odd() {
+    for x in [1e-9, 0.5, 0.99991, 0.999_999_999_f64] {
+        assert_eq!(Real::atanh(-x), -Real::atanh(x));
+        let exact = 0.5 * (x.ln_1p() - (-x).ln_1p());
+        assert!((Real::atanh(-x) + exact).abs() <= 4.0 * f64::EPSILON * exact, "{x}");
+        assert_eq!(Real::atanh(-x as f32), -Real::atanh(x as f32));
+    }
+    assert_eq!(Real::atanh(-1.0_f64), f64::NEG_INFINITY);
+}
+
 #[test]
 fn odd_and_even_to_the_bit_and_sin_cos_is_both() {
     let mut random = SmallRng::seed_from_u64(7);

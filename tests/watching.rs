@@ -3,12 +3,13 @@
 
 use crate::common::linked::Rod;
 use crate::common::*;
+use rattle::Error;
 use rattle::bill::Bill;
 use rattle::effect::{Acting, Effect, Moment};
 use rattle::lanes::Lane;
 use rattle::prelude::*;
 use rattle::real::Real;
-use rattle::watch::{Observer, Sight};
+use rattle::watch::{Each, Observer, Sight};
 
 constraint! {
     /// Above a floor in the south of a sphere.
@@ -387,4 +388,41 @@ fn multipliers_are_those_of_what_is_taken() {
     let mut told = Told::default();
     over.observe(400, 1, &mut told).unwrap();
     assert!(over.events() > 2 && (802..=2 * (400 + over.events() as usize)).contains(&told.0.len()));
+}
+
+/// An observer of each trajectory hands on what it hears of its simulation, and why one of them fails.
+#[test]
+fn each_hands_on_multipliers_and_failures() {
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
+    let start = || State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
+    let mut run = scene.simulate(start(), Rattle::new(0.01)).unwrap();
+    let mut each = Each::of(|| Trajectory::with_multipliers(&run));
+    let mut one = Trajectory::with_multipliers(&run);
+    let mut others = run.clone();
+    run.clone().observe(30, 10, &mut each).unwrap();
+    others.observe(30, 10, &mut one).unwrap();
+    let each = each.get(0).unwrap();
+    assert_eq!((each.multipliers(), each.positions()), (one.multipliers(), one.positions()));
+    assert!(one.multipliers().unwrap().position[1..].iter().all(|lambda| lambda.is_finite()));
+
+    // In an ensemble none is heard: not that of the start either, as that of the first step.
+    let mut ensemble = scene.ensemble([start()], Rattle::new(0.01)).unwrap();
+    let paths = ensemble.observe(30, 10, || Each::of(|| Trajectory::with_multipliers(&run)));
+    let found = &paths.get(0).unwrap().multipliers().unwrap().position;
+    assert_eq!((found.len(), found[0].is_nan()), (4, false));
+    assert!(found[1..].iter().all(|lambda| lambda.is_nan()), "{found:?}");
+
+    #[derive(Default)]
+    struct Full(u64);
+    impl<const D: usize> Observer<D> for Full {
+        fn see(&mut self, _: &Sight<'_, D>, _: &Sight<'_, D>) {
+            self.0 += 1;
+        }
+        fn join(&mut self, _: Self) {}
+        fn failure(&self) -> Option<Error> {
+            (self.0 >= 3).then(|| Error::Before("disk full".into()))
+        }
+    }
+    let error = run.observe(100, 10, &mut Each::of(Full::default)).unwrap_err();
+    assert_eq!((error.to_string().contains("disk full"), run.steps()), (true, 30));
 }

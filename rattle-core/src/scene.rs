@@ -263,6 +263,12 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// The system of this scene over the scalar `T`, to be moved step by step by a [method](crate::motion::method):
     /// over complex numbers or dual ones a step has its derivatives with it.
+    ///
+    /// Flows of momenta (drag, heat, forces of velocities or time) act in the steps of methods that have them
+    /// [inside](crate::motion::method::Method::STIRS), as [`Baoab`](crate::methods::baoab::Baoab). To steps of other
+    /// methods a simulation adds half of each flow before and after; who moves a system by hand has none. What `force!`
+    /// and [`VelocityRescaling`](crate::effect::VelocityRescaling) change by is computed with real parts, and has no
+    /// derivatives.
     pub fn system<T: Scalar>(&self) -> OnSurface<C::Kernel<T>, E::Forces<T>, N, OneByOne> {
         OnSurface::new(self.constraint.kernel(), OneByOne, self.effects.forces(), self.count)
     }

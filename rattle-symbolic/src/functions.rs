@@ -11,7 +11,7 @@
 //! names, values and products, and `rules` reads derivatives; that column uses the names of `rules`.
 //!
 //! A row is all that most functions need in this crate. Two kinds need one more line: functions that are not smooth are
-//! listed in `routine::kinks`, and two that are computed together (sine and cosine) in `recurrence::pair`.
+//! listed in `kinks`, and two that are computed together (sine and cosine) in `recurrence::pair`.
 
 /// Hands the rows of the functions of one argument to the macro `$columns`.
 macro_rules! functions_of_one {
@@ -35,7 +35,7 @@ macro_rules! functions_of_one {
             Tanh  "tanh",  f64::tanh,  2,  |g, _, f| g.one_minus_square(f);
             Asinh "asinh", f64::asinh, 3,  |g, x, _| g.reciprocal_root(|g, x| g.shifted_square(1.0, x, 1.0), x);
             Acosh "acosh", f64::acosh, 3,  |g, x, _| { let d = g.reciprocal_root(Graph::square_minus_one, x); g.unless_negative(x, d) };
-            Atanh "atanh", f64::atanh, 2,  |g, x, _| g.reciprocal_within_one(x);
+            Atanh "atanh", |x| x.abs().atanh().copysign(x), 2,  |g, x, _| g.reciprocal_within_one(x);
             Abs   "abs",   f64::abs,   1,  |g, x, _| g.signum(x);
             Sign  "sign",  sign,       1,  |_, _, _| Scaled::ZERO;
             Floor "floor", f64::floor, 1,  |_, _, _| Scaled::ZERO;

@@ -63,6 +63,7 @@ pub mod algebra;
 pub mod differentiate;
 pub mod functions;
 pub mod graph;
+mod kinks;
 pub mod node;
 pub mod operation;
 mod parity;

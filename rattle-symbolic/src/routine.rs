@@ -5,13 +5,12 @@
 
 use crate::algebra::Scaled;
 use crate::differentiate::Calculus;
-use crate::functions::Function;
 use crate::graph::Graph;
+use crate::kinks::kinks;
 use crate::limits::{MOST, TooLarge};
-use crate::node::{Id, Input, Node};
+use crate::node::{Id, Input};
 use crate::parity::of_square;
 use crate::schedule::schedule;
-use std::collections::BTreeSet;
 
 /// A function to generate: its results, in the order in which it returns them.
 #[derive(Clone, Debug)]
@@ -166,9 +165,10 @@ pub fn constraint(mut source: Graph, roots: &[Id], variables: u32) -> Result<Rou
         let weighted = calculus.tangents(&weighted, along);
         routines.add("weighted_hessian_vector", &source, &weighted)?;
     }
-    routines.add("kinks", &source, &scaled(&kinks))?;
+    let changes: Vec<Id> = kinks.iter().map(|kink| kink.changes).collect();
+    routines.add("kinks", &source, &scaled(&changes))?;
     routines.gradients = (source, jacobian);
-    routines.kinks = kinks;
+    routines.kinks = kinks.iter().map(|kink| kink.shown).collect();
     Ok(routines)
 }
 
@@ -186,37 +186,6 @@ fn hessian(calculus: &mut Calculus, jacobian: &[Scaled], variables: u32) -> Vec<
         list.extend((0..d).map(|j| columns[i.max(j)][equation * d + i.min(j)]));
     }
     list
-}
-
-/// Where the equations are not smooth: what changes sign there. (What is under a square root does not, where g is a
-/// number.)
-fn kinks(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
-    let mut list = Vec::new();
-    let mut listed = BTreeSet::new();
-    for id in graph.reachable(roots) {
-        let kink = match *graph.node(id) {
-            Node::Call(Function::Abs | Function::Cbrt | Function::Sign, a) => a,
-            Node::Call(Function::Floor, a) => odd_and_even(graph, a),
-            Node::Select(_, a, b, ..) if graph.as_constant(b) == Some(0.0) => a,
-            Node::Select(_, a, b, ..) if graph.as_constant(a) == Some(0.0) => b,
-            Node::Select(_, a, b, ..) => graph.sub(a, b),
-            _ => continue,
-        };
-        if graph.moving(kink) && listed.insert(kink) {
-            list.push(kink);
-        }
-    }
-    list
-}
-
-/// a − 2 floor(a/2) − 1, which changes its sign at every integer, to the last bit.
-fn odd_and_even(graph: &mut Graph, a: Id) -> Id {
-    let [one, two] = [1.0, 2.0].map(|number| graph.constant(number));
-    let half = graph.div(a, two);
-    let floor = graph.call(Function::Floor, half);
-    let even = graph.mul(two, floor);
-    let rest = graph.sub(a, even);
-    graph.sub(rest, one)
 }
 
 /// U and ∇U.
@@ -297,9 +266,10 @@ pub fn phase_constraint(mut source: Graph, roots: &[Id], variables: u32) -> Resu
     routines.rest("jacobians", roots.len());
     let products = calculus.tangents(&jacobians, along);
     routines.add("hessian_vector", &source, &products)?;
-    routines.add("kinks", &source, &scaled(&kinks))?;
+    let changes: Vec<Id> = kinks.iter().map(|kink| kink.changes).collect();
+    routines.add("kinks", &source, &scaled(&changes))?;
     routines.gradients = (source, jacobians);
-    routines.kinks = kinks;
+    routines.kinks = kinks.iter().map(|kink| kink.shown).collect();
     Ok(routines)
 }
 

@@ -16,6 +16,8 @@ mod iterations;
 mod iterations_lanes;
 #[path = "../kinks.rs"]
 mod kinks;
+#[path = "../kinks_hidden.rs"]
+mod kinks_hidden;
 #[path = "../kinks_phase.rs"]
 mod kinks_phase;
 #[path = "../kinks_projected.rs"]

@@ -140,8 +140,9 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
         [[T::from_f64(f64::NAN); D]; M]
     }
 
-    /// The terms that change sign where g is not smooth, as text: the arguments of `abs`, `sign` and `cbrt`, and the
-    /// differences that `min`, `max` and `if` compare.
+    /// The terms that change sign where g is not smooth, as text: the arguments of `abs`, `sign` and `cbrt`, the
+    /// differences that `min`, `max` and `if` compare, y of `atan2(y, x)`, and what `atan` and other bounded functions
+    /// divide by. Edges where the argument of a root touches zero are listed for a² + c alone, with c that stays.
     const KINKS: &'static [&'static str] = &[];
 
     /// The values of the terms [`KINKS`](Self::KINKS) from number `first` on, as many as `found` has room for. If one

@@ -18,7 +18,8 @@ use crate::motion::witness::Witness;
 use crate::number::real::Scalar;
 
 /// The leapfrog with a constant step size. The momenta of a start are those half a step after its positions;
-/// [`Scene::staggered`](crate::scene::Scene::staggered) makes them.
+/// [`Scene::staggered`](crate::scene::Scene::staggered) makes them. A state goes on with the step size that it was
+/// computed with: its momenta are half of that step ahead.
 ///
 /// ```
 /// use rattle::{Leapfrog, Scene, State};

@@ -223,7 +223,11 @@ macro_rules! real_float {
                 $erf(self)
             }
             real_float!(@inherent $float: abs floor sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan
-                sinh cosh tanh asinh acosh atanh);
+                sinh cosh tanh asinh acosh);
+            #[inline(always)]
+            fn atanh(self) -> Self {
+                $float::atanh(self.abs()).copysign(self) // near −1 that of the standard library cancels
+            }
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
                 $float::sin_cos(self)

@@ -5,7 +5,6 @@ use crate::motion::method::Method;
 use crate::motion::record::{Reading, Record};
 use crate::motion::state::State;
 use crate::motion::system::System;
-use crate::number::instructions::InstructionSet;
 use crate::run::bill::Bill;
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
@@ -27,7 +26,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Alone<Y, S, D> {
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Group<D> for Alone<Y, S, D> {
-    fn run(&mut self, steps: u64, set: InstructionSet, mut onlooker: Option<&mut Onlooker<'_, D>>) {
+    fn run(&mut self, steps: u64, mut onlooker: Option<&mut Onlooker<'_, D>>) {
         let end = self.simulation.steps().saturating_add(steps);
         while self.failure.is_none() && self.simulation.steps() < end {
             let stop = onlooker.as_ref().map_or(end, |onlooker| onlooker.next.min(end));
@@ -36,7 +35,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Group<D> for Alone<Y, S, D> {
             if let Some(onlooker) = &mut onlooker
                 && self.simulation.steps() == onlooker.next
             {
-                self.look(onlooker.write(), set);
+                self.look(onlooker.write());
                 onlooker.show(self, |_| ());
             }
         }
@@ -86,7 +85,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Watched<D> for Alone<Y, S, D>
         self.simulation.bodies()
     }
 
-    fn look(&self, page: Page<'_, D>, _: InstructionSet) {
+    fn look(&self, page: Page<'_, D>) {
         self.simulation.look(page);
     }
 

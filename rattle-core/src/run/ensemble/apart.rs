@@ -33,8 +33,8 @@ pub enum NotInLanes {
     /// Without fused multiply-add, lanes are slower than simulations.
     #[error("the instruction set `{0}` has no fused multiply-add")]
     Instructions(InstructionSet),
-    /// The method has no form in lanes. The name of the method.
-    #[error("`{0}` has no form in lanes")]
+    /// The method has no form in lanes, or none for bodies of this kind. The name of the method.
+    #[error("`{0}` has no form in lanes for these bodies")]
     Method(&'static str),
     /// Steps or stages are so short that momenta times their length lose digits. The step size.
     #[error("steps of {0:e}, or their stages, are too short for lanes")]

@@ -3,7 +3,6 @@
 use crate::error::Error;
 use crate::motion::record::{Reading, Record};
 use crate::motion::state::State;
-use crate::number::instructions::InstructionSet;
 use crate::run::bill::Bill;
 use crate::run::ensemble::look::{Onlooker, Watched};
 
@@ -11,7 +10,7 @@ use crate::run::ensemble::look::{Onlooker, Watched};
 pub(crate) trait Group<const D: usize>: Watched<D> + Send + Sync {
     /// Takes `steps` steps, and shows the group to `onlooker` at each multiple of its interval. A trajectory that fails
     /// stays at the state before the failed step.
-    fn run(&mut self, steps: u64, set: InstructionSet, onlooker: Option<&mut Onlooker<'_, D>>);
+    fn run(&mut self, steps: u64, onlooker: Option<&mut Onlooker<'_, D>>);
     /// From now on a step that fails is repeated in 2, 4, … 2^`halvings` parts.
     fn retry(&mut self, halvings: u32);
     /// The state of one trajectory.

@@ -1,6 +1,5 @@
 //! How a group of trajectories is shown to an observer while it runs.
 
-use crate::number::instructions::InstructionSet;
 use crate::run::watch::seen::{Page, Seen};
 use crate::run::watch::sight::Source;
 
@@ -12,7 +11,7 @@ pub(crate) trait Watched<const D: usize> {
     /// The number of bodies of each trajectory.
     fn bodies(&self) -> usize;
     /// Writes times, positions and momenta of all trajectories to `page`.
-    fn look(&self, page: Page<'_, D>, set: InstructionSet);
+    fn look(&self, page: Page<'_, D>);
     /// Whether each trajectory is still moving, that is, has not failed. There may be more entries than trajectories.
     fn moving(&self) -> &[bool];
     /// What tells of a trajectory that is moving what a sight asks.

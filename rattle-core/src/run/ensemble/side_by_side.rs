@@ -6,7 +6,6 @@ use crate::motion::failure::Failure;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::state::State;
 use crate::number::clock::{after_steps, passed};
-use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
 use crate::run::bill::{Bill, Item, time};
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour, Written};
@@ -205,7 +204,7 @@ impl<const D: usize> SideBySide<D> {
             if let Some(onlooker) = &mut onlooker
                 && onlooker.next == self.steps
             {
-                self.look(onlooker.write(), InstructionSet::Portable);
+                self.look(onlooker.write());
                 onlooker.show(self, |_| ());
             }
         }
@@ -407,7 +406,7 @@ impl<const D: usize> Tour<D> for Look<'_, D> {
 }
 
 impl<const D: usize> Group<D> for SideBySide<D> {
-    fn run(&mut self, steps: u64, _: InstructionSet, mut onlooker: Option<&mut Onlooker<'_, D>>) {
+    fn run(&mut self, steps: u64, mut onlooker: Option<&mut Onlooker<'_, D>>) {
         let end = self.steps.saturating_add(steps);
         while self.steps < end && self.moving.contains(&true) {
             let stretch = STRETCH.min(end - self.steps);
@@ -546,7 +545,7 @@ impl<const D: usize> Group<D> for SideBySide<D> {
         let trajectories = self.moving.iter().filter(|&&moves| moves).count();
         let each = 1.0 / (trajectories as f64 * f64::from(BILLED));
         let copying = time(&mut || drop(black_box(self.clone())));
-        let running = time(&mut || self.clone().run(u64::from(BILLED), InstructionSet::Portable, None));
+        let running = time(&mut || self.clone().run(u64::from(BILLED), None));
         let step = each * (running - copying).max(0.0);
         let mut items = Vec::new();
         let names = self.engine.forces();
@@ -568,7 +567,7 @@ impl<const D: usize> Watched<D> for SideBySide<D> {
         self.engine.bodies_of_each()
     }
 
-    fn look(&self, Page { times, positions, momenta }: Page<'_, D>, _: InstructionSet) {
+    fn look(&self, Page { times, positions, momenta }: Page<'_, D>) {
         let page = Page { times: &mut *times, positions: &mut *positions, momenta: &mut *momenta };
         let (starts, passed) = (&self.start_time[..], passed(self.steps, self.h));
         let stayed = self.engine.go(&mut Look(Some(Written { page, starts, passed })));

@@ -95,6 +95,6 @@ impl<const D: usize> Ensemble<D> {
             };
             pages.push((group, page));
         }
-        pages.into_par_iter().for_each(|(group, page)| group.look(page, self.set));
+        pages.into_par_iter().for_each(|(group, page)| group.look(page));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
-use crate::run::ensemble::apart::{Plan, act_in_lanes};
+use crate::run::ensemble::apart::{NotInLanes, Plan, act_in_lanes};
 use crate::run::ensemble::grouping::{Alike, Different, Groups, HowInLanes, InRows};
 use crate::run::ensemble::grouping_rows::{TurnedAlike, TurnedApart, linked, linked_apart, rigid};
 use crate::run::ensemble::precision::{Double, Precision};
@@ -220,10 +220,12 @@ impl<const D: usize> Ensemble<D> {
                 return Ok(ensemble);
             }
             let fits = !matches!(C::KIND, Kind::Other) || starts.iter().all(|start| start.len() == 1);
+            let goes = const { matches!(C::KIND, Kind::Other) || goes_as::<C, S, D>(C::KIND) };
             let mut why = lanes.as_ref().err().copied();
             for scene in &scenes {
                 why = why.or_else(|| act_in_lanes::<S, _, D>(&scene.effects.forces()));
             }
+            why = why.or_else(|| (!goes).then(|| NotInLanes::Method(method.name())));
             if fits
                 && why.is_none()
                 && let Ok(lanes) = &mut lanes
@@ -278,10 +280,9 @@ impl<const D: usize> Ensemble<D> {
     /// Takes `steps` steps of every trajectory that has not failed.
     #[inline(never)]
     pub fn run(&mut self, steps: u64) {
-        let set = self.set;
         match &mut self.groups[..] {
-            [group] => group.run(steps, set, None), // without waking other threads
-            groups => groups.par_iter_mut().for_each(|group| group.run(steps, set, None)),
+            [group] => group.run(steps, None), // without waking other threads
+            groups => groups.par_iter_mut().for_each(|group| group.run(steps, None)),
         }
         self.steps = self.steps.saturating_add(steps);
     }
@@ -337,9 +338,9 @@ impl<const D: usize> Ensemble<D> {
         every: u64,
         observers: Vec<&mut (dyn AnyObserver<D> + Send)>,
     ) {
-        let (set, taken) = (self.set, self.steps);
+        let taken = self.steps;
         let start = |(group, observer): (&mut Box<dyn Group<D>>, _)| {
-            let now = Seen::new(taken, group.len(), group.bodies(), |page| group.look(page, set));
+            let now = Seen::new(taken, group.len(), group.bodies(), |page| group.look(page));
             Watching::new(observer, now, every, steps / every)
         };
         let mut watching: Vec<_> = self.groups.par_iter_mut().zip(observers).map(start).collect();
@@ -348,7 +349,7 @@ impl<const D: usize> Ensemble<D> {
             let moves = self.groups.iter().any(|group| group.moving().contains(&true));
             let part = if moves { left.min(UNWATCHED) } else { left };
             let groups = self.groups.par_iter_mut().zip(&self.first).zip(&mut watching);
-            groups.for_each(|((group, &first), of)| of.run(group, first, part, every, set));
+            groups.for_each(|((group, &first), of)| of.run(group, first, part, every));
             self.steps = self.steps.saturating_add(part);
             left -= part;
         }

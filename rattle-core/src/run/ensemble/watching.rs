@@ -1,7 +1,6 @@
 //! Observers of the groups of an ensemble.
 
 use crate::error::Error;
-use crate::number::instructions::InstructionSet;
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
 use crate::run::watch::observer::Observer;
@@ -61,21 +60,14 @@ impl<'a, const D: usize> Watching<'a, D> {
 }
 
 impl<const D: usize> Watching<'_, D> {
-    pub(super) fn run(
-        &mut self,
-        group: &mut Box<dyn Group<D>>,
-        first: usize,
-        steps: u64,
-        every: u64,
-        set: InstructionSet,
-    ) {
+    pub(super) fn run(&mut self, group: &mut Box<dyn Group<D>>, first: usize, steps: u64, every: u64) {
         let Self { observer, before, pages, next } = self;
         let mut show = |now: &mut Seen<D>, group: &dyn Watched<D>| {
             observer.see_group(group, first, before, now);
             std::mem::swap(before, now);
         };
         let mut onlooker = Onlooker { next: *next, every, pages, written: 0, show: &mut show };
-        group.run(steps, set, Some(&mut onlooker));
+        group.run(steps, Some(&mut onlooker));
         *next = onlooker.next;
     }
 }

@@ -99,8 +99,7 @@ impl<const D: usize> Moving for FirstOfEnsemble<'_, D> {
     }
     /// On one thread, since what one core takes is asked.
     fn run(&mut self, steps: u64) -> Result<(), Error> {
-        let set = self.ensemble.set;
-        self.ensemble.groups.iter_mut().for_each(|group| group.run(steps, set, None));
+        self.ensemble.groups.iter_mut().for_each(|group| group.run(steps, None));
         self.ensemble.failures().next().map_or(Ok(()), |(_, error)| Err(error.clone()))
     }
     fn positions(&self) -> Vec<f64> {
@@ -110,8 +109,8 @@ impl<const D: usize> Moving for FirstOfEnsemble<'_, D> {
         self.ensemble.state(0).momenta().map(|p| p.amax()).fold(0.0, f64::max)
     }
     fn energy(&self) -> f64 {
-        let (group, set) = (&self.ensemble.groups[0], self.ensemble.set);
-        let now = Seen::new(0, group.len(), group.bodies(), |page| group.look(page, set));
+        let group = &self.ensemble.groups[0];
+        let now = Seen::new(0, group.len(), group.bodies(), |page| group.look(page));
         now.sights(group.source(), 0).next().map_or(f64::NAN, |first| first.energy())
     }
     fn energy_error(&self) -> f64 {

@@ -1,5 +1,6 @@
 //! One observer for each trajectory.
 
+use crate::error::Error;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::sight::Sight;
 use std::collections::BTreeMap;
@@ -19,12 +20,14 @@ use std::collections::BTreeMap;
 pub struct Each<F, O> {
     new: F,
     observers: BTreeMap<usize, O>,
+    /// That of a simulation, which hears multipliers before it is first shown the trajectory.
+    unseen: Option<O>,
 }
 
 impl<F: Fn() -> O, O> Each<F, O> {
     /// Observers made by `new`, one for each trajectory.
     pub fn of(new: F) -> Self {
-        Self { new, observers: BTreeMap::new() }
+        Self { new, observers: BTreeMap::new(), unseen: None }
     }
 }
 
@@ -40,9 +43,25 @@ impl<F, O> Each<F, O> {
     }
 }
 
+impl<F: Fn() -> O, O> Each<F, O> {
+    fn of_trajectory(&mut self, trajectory: usize) -> &mut O {
+        let Self { new, observers, unseen } = self;
+        observers.entry(trajectory).or_insert_with(|| unseen.take().unwrap_or_else(new))
+    }
+
+    /// The observer of the one trajectory of a simulation.
+    fn of_simulation(&mut self) -> &mut O {
+        let Self { new, observers, unseen } = self;
+        match observers.values_mut().next() {
+            Some(observer) => observer,
+            None => unseen.get_or_insert_with(new),
+        }
+    }
+}
+
 impl<F: Fn() -> O, O: Observer<D>, const D: usize> Observer<D> for Each<F, O> {
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
-        self.observers.entry(now.trajectory).or_insert_with(&self.new).see(before, now);
+        self.of_trajectory(now.trajectory).see(before, now);
     }
 
     fn sees_jumps(&self) -> bool {
@@ -50,10 +69,22 @@ impl<F: Fn() -> O, O: Observer<D>, const D: usize> Observer<D> for Each<F, O> {
     }
 
     fn jump(&mut self, from: &Sight<'_, D>, before: &Sight<'_, D>, after: &Sight<'_, D>) {
-        self.observers.entry(after.trajectory).or_insert_with(&self.new).jump(from, before, after);
+        self.of_trajectory(after.trajectory).jump(from, before, after);
     }
 
     fn join(&mut self, mut next: Self) {
         self.observers.append(&mut next.observers);
+    }
+
+    fn failure(&self) -> Option<Error> {
+        self.observers.values().find_map(Observer::failure)
+    }
+
+    fn position_multiplier(&mut self, equation: usize, lambda: f64) {
+        self.of_simulation().position_multiplier(equation, lambda);
+    }
+
+    fn momentum_multiplier(&mut self, equation: usize, mu: f64) {
+        self.of_simulation().momentum_multiplier(equation, mu);
     }
 }

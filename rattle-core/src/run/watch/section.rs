@@ -9,7 +9,8 @@ use nalgebra::SVector;
 /// Between two sights the path of a body is the cubic through both positions with the velocities there (Hermite
 /// interpolation), off by up to h⁴/384 times the fourth derivative of q. Momenta are interpolated by parabolas, bent by
 /// the change of ṗ: off by up to h³/96 times their third derivative. The crossing is where s is zero on that path. A
-/// crossing evaluates velocities and forces at both sights, and allocates.
+/// crossing evaluates velocities and forces at both sights, and allocates. Momenta of staggered methods, as
+/// [`Leapfrog`](crate::methods::leapfrog::Leapfrog), are those of half a step beside the time of the crossing.
 ///
 /// Where momenta [jump](Observer::jump) between two sights, at impacts and edges, the path ends at the jump and begins
 /// anew there. If s itself passes zero by the jump, the crossing is at its instant, with the momenta after it.

@@ -65,8 +65,10 @@ impl Trajectory {
         simulation: &Simulation<Y, S, D>,
     ) -> Self {
         let position: Vec<f64> = simulation.multipliers();
+        let unknown = vec![f64::NAN; position.len()];
+        let under_way = Multipliers { position: unknown.clone(), momentum: unknown };
         let at_start = Multipliers { momentum: position.clone(), position };
-        Self { multipliers: Some(at_start.clone()), under_way: at_start, ..Self::of(simulation) }
+        Self { multipliers: Some(at_start), under_way, ..Self::of(simulation) }
     }
 
     fn row<const D: usize>(
