@@ -23,6 +23,9 @@ potential! { struct Flat { n } |x, y| max(x, 0)^0.7 + max(y, 0)^1.25 + max(x, 0)
 potential! { struct Negated { k } |x, y| (-k * x)^10 + (2 + -x * y)^9 }
 potential! { struct PöschlTeller { v, w } |x| -v / cosh(x / w)^2 }
 potential! { struct Steep {} |x, y| 1 / sqrt(x^2 + y^2)^12 }
+potential! { struct Exponential { a } |x| a^x }
+potential! { struct Unrooted { k } |x| k * sqrt(1 - x)^2 + cbrt(sqrt(x + 3))^6 }
+constraint! { struct Big {} |x, y| 1e308 * x^2 + x * y - 1 }
 
 #[test]
 fn powers_of_a_distance_are_smooth() {
@@ -83,4 +86,34 @@ fn divisors_that_overflow() {
     let slope = Steep {}.gradient(&vector![1e-20, 0.0])[0];
     assert!((slope / -1.2e261 - 1.0).abs() < 1e-14, "{slope:e}");
     assert_eq!(Steep {}.gradient(&vector![1e80, 0.0])[0], 0.0);
+}
+
+/// Where there is no value there is no slope, and no step.
+#[test]
+fn powers_of_no_value_have_no_slope() {
+    let rises = Exponential { a: 2.0 }.gradient(&vector![0.5])[0];
+    assert!((rises - 0.5_f64.exp2() * 2.0_f64.ln()).abs() < 1e-15, "{rises}");
+    assert_eq!(Exponential { a: 0.0 }.gradient(&vector![0.5])[0], 0.0);
+    let negative = Exponential { a: -2.0 };
+    assert!(negative.gradient(&vector![0.5])[0].is_nan());
+    let start = State::at([0.5]).moving([0.1]);
+    let run =
+        Scene::point().with(negative).simulate(start, Rattle::new(0.01)).and_then(|mut run| run.run(10));
+    assert!(run.is_err(), "a run under a potential that is no number");
+
+    // √(1 − x)² + ∛√(x + 3)⁶ = 4
+    let rooted = Unrooted { k: 1.0 };
+    assert_eq!(rooted.gradient(&vector![0.5])[0], 0.0);
+    for beyond in [2.0, -4.0] {
+        assert!(rooted.gradient(&vector![beyond])[0].is_nan(), "{beyond}");
+    }
+}
+
+/// A coefficient that overflows in a derivative is infinite there alone.
+#[test]
+fn coefficients_that_overflow() {
+    let slopes = Big {}.jacobian(&vector![0.25, 3.0]);
+    assert_eq!(slopes, vector![5e307, 0.25].transpose());
+    let bent = Big {}.hessian_vector(&vector![0.25, 3.0], &vector![1.0, 0.0]);
+    assert_eq!(bent, vector![f64::INFINITY, 1.0].transpose());
 }

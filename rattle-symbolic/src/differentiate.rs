@@ -212,24 +212,29 @@ impl<'a> Calculus<'a> {
             Node::Power(a, halves) => {
                 // What is smooth at 0 though a is not, and the slope of a is set to 0 there: even powers of √u are
                 // those of u, third powers of ∛u too, and the slopes of dⁿ, d = hypot(u, v), are n dⁿ⁻² u and n dⁿ⁻² v.
-                let (mut a, mut halves) = (a, halves);
+                // Where √u is no number these slopes are none either.
+                let (mut a, mut halves, mut rooted) = (a, halves, false);
                 loop {
-                    (a, halves) = match *g.node(a) {
-                        Node::Call(Function::Sqrt, inside) if halves % 2 == 0 => (inside, halves / 2),
-                        Node::Call(Function::Cbrt, inside) if halves % 6 == 0 => (inside, halves / 3),
+                    (a, halves, rooted) = match *g.node(a) {
+                        Node::Call(Function::Sqrt, inside) if halves % 2 == 0 => (inside, halves / 2, true),
+                        Node::Call(Function::Cbrt, inside) if halves % 6 == 0 => (inside, halves / 3, rooted),
                         _ => break,
                     };
                 }
                 let exponent = Scaled::number(f64::from(halves) / 2.0);
-                match *g.node(a) {
-                    Node::Call2(Binary::Hypot, ..) if halves >= 4 => {
-                        let (sides, lower) = (sides(g, a), g.power(a, halves - 4));
-                        let slope = |u: Id| (Rule::Power, u, g.product(&[exponent, lower.into(), u.into()]));
+                match (halves >= 4).then(|| sides(g, a)).flatten() {
+                    Some(sides) => {
+                        let lower = g.power(a, halves - 4);
+                        let slope = |(u, times): (Id, f64)| {
+                            let times = Scaled::number(times);
+                            (Rule::Power, u, g.product(&[exponent, times, lower.into(), u.into()]))
+                        };
                         sides.into_iter().map(slope).collect()
                     }
-                    _ => {
+                    None => {
                         let lower = g.power(a, halves - 2);
-                        vec![(Rule::Power, a, g.product(&[exponent, lower.into()]))]
+                        let slope = g.product(&[exponent, lower.into()]);
+                        vec![(Rule::Power, a, if rooted { g.unless_negative(a, slope) } else { slope })]
                     }
                 }
             }
@@ -269,10 +274,24 @@ impl<'a> Calculus<'a> {
     }
 }
 
-/// What √(u² + v² + …) is made of, where it is a hypot, perhaps of others.
-fn sides(graph: &Graph, distance: Id) -> Vec<Id> {
-    match *graph.node(distance) {
-        Node::Call2(Binary::Hypot, u, v) => [sides(graph, u), sides(graph, v)].concat(),
-        _ => vec![distance],
+/// Powers of distances of more sides are differentiated as powers of any number: of a chain of them the work would grow
+/// as the square of its length.
+const MOST_SIDES: usize = 64;
+
+/// What √(u² + v² + …) is made of, and how often it holds each, where it is a hypot, perhaps of others, of not too many
+/// sides.
+fn sides(graph: &Graph, distance: Id) -> Option<Vec<(Id, f64)>> {
+    let (mut open, mut found) = (BTreeMap::from([(distance, 1.0)]), Vec::new());
+    while let Some((side, times)) = open.pop_last() {
+        match *graph.node(side) {
+            Node::Call2(Binary::Hypot, u, v) => {
+                for part in [u, v] {
+                    *open.entry(part).or_default() += times;
+                }
+            }
+            _ if side == distance || found.len() == MOST_SIDES => return None,
+            _ => found.push((side, times)),
+        }
     }
+    Some(found)
 }

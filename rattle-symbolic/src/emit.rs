@@ -15,7 +15,7 @@ use crate::graph::{Graph, found_from};
 use crate::node::{Comparison, Id, Input, Node};
 use crate::routine::Routines;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
-use quote::{format_ident, quote};
+use quote::{ToTokens, format_ident, quote};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How the inputs of a function are spelled.
@@ -355,11 +355,14 @@ fn field(i: usize) -> Ident {
     format_ident!("p{i}", span = Span::call_site())
 }
 
-/// The literal; numbers in graphs are finite, or none.
+/// The literal; numbers in graphs are finite, but for those of derivatives, which may be none or overflow.
 fn number(x: f64) -> TokenStream {
     if x.is_nan() {
         return quote!(::core::primitive::f64::NAN);
     }
-    let size = Literal::f64_suffixed(x.abs());
+    let size = match x.is_finite() {
+        true => Literal::f64_suffixed(x.abs()).into_token_stream(),
+        false => quote!(::core::primitive::f64::INFINITY),
+    };
     if x.is_sign_negative() { quote!(-#size) } else { quote!(#size) }
 }

@@ -12,7 +12,7 @@
 
 use crate::functions::{Binary, Function};
 use crate::node::{Comparison, Id, Input, Node};
-use crate::operation::{Number, operation};
+use crate::operation::{Number, never_negative, operation};
 use std::cell::Cell;
 use std::collections::{BTreeSet, HashMap};
 
@@ -23,6 +23,7 @@ pub struct Graph {
     moving: Vec<bool>,
     depth: Vec<u32>,
     number: Vec<Option<f64>>,
+    never_negative: Vec<bool>,
     steps: Cell<usize>,
     /// How many nodes there were before the first derivative.
     written: Option<usize>,
@@ -50,6 +51,10 @@ impl Graph {
     /// Whether the node depends on inputs other than parameters.
     pub fn moving(&self, id: Id) -> bool {
         self.moving[id.index()]
+    }
+    /// Whether the form of the node makes it 0 or more, or no number, whatever its inputs are.
+    pub(crate) fn never_negative(&self, id: Id) -> bool {
+        self.never_negative[id.index()]
     }
     /// The longest chain of operations below the node.
     pub fn depth(&self, id: Id) -> u32 {
@@ -130,6 +135,8 @@ impl Graph {
         });
         let known = children.iter().all(|&child| self.number(child).is_some());
         self.number.push(if known { self.compute(&node) } else { None });
+        let of = |id| self.never_negative(id);
+        self.never_negative.push(never_negative(&node, of, |id| self.number(id)));
         self.depth.push(children.iter().map(|&child| self.depth(child) + 1).max().unwrap_or(0));
         self.nodes.push(node.clone());
         self.index.insert(node, id);

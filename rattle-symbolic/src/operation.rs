@@ -89,6 +89,35 @@ pub(crate) fn operation<N: Number>(node: &Node, at: impl Fn(Id) -> N, input: imp
     }
 }
 
+/// Whether a node is 0 or more, or no number, by its form alone, where it is known of its children.
+pub(crate) fn never_negative(
+    node: &Node,
+    of: impl Fn(Id) -> bool,
+    number: impl Fn(Id) -> Option<f64>,
+) -> bool {
+    match *node {
+        Node::Constant(bits) => f64::from_bits(bits) >= 0.0,
+        Node::Input(_) | Node::Neg(_) | Node::Sub(..) => false,
+        Node::Add(a, b) | Node::Mul(a, b) | Node::Div(a, b) => of(a) && of(b),
+        Node::Power(a, halves) => halves % 4 == 0 || halves % 2 != 0 || of(a),
+        Node::Call(Function::Sqrt | Function::Exp | Function::Cosh | Function::Acosh | Function::Abs, _) => {
+            true
+        }
+        Node::Call(Function::Cbrt | Function::Floor | Function::Sign | Function::Erf, a) => of(a),
+        Node::Call(..) => false,
+        Node::Call2(Binary::Hypot, ..) => true,
+        Node::Call2(Binary::Powf, a, _) => of(a),
+        Node::Call2(Binary::Atan2, ..) => false,
+        // The larger of two numbers: the first where the second is none. And a choice between any.
+        Node::Select(_, a, b, then, other) if (then, other) == (b, a) => {
+            of(a) || number(b).is_some_and(|b| b >= 0.0)
+        }
+        Node::Select(_, _, _, then, other) => of(then) && of(other),
+        Node::Sum(ref terms) => terms.iter().all(|&(bits, a)| f64::from_bits(bits) >= 0.0 && of(a)),
+        Node::Product(ref factors) => factors.iter().all(|&(a, exponent)| exponent % 2 == 0 || of(a)),
+    }
+}
+
 fn power<N: Number>(a: N, halves: i32) -> N {
     chain(halves, &mut (), a, &mut |(), a, b| a.mul(b), &mut |(), a| a.call(Function::Sqrt), &mut |(), a| {
         N::from_f64(1.0).div(a)

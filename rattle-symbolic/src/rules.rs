@@ -54,7 +54,10 @@ impl Graph {
         self.reciprocal(x)
     }
     /// `slope`, and no number where x < 0 and the function is none: its slope is, and would hide that.
-    fn unless_negative(&mut self, x: Id, slope: Scaled) -> Scaled {
+    pub(crate) fn unless_negative(&mut self, x: Id, slope: Scaled) -> Scaled {
+        if self.never_negative(x) {
+            return slope;
+        }
         let (slope, zero, none) = (self.node_of(slope), self.constant(0.0), self.constant(f64::NAN));
         self.select(Comparison::Less, x, zero, none, slope).into()
     }
@@ -106,12 +109,18 @@ impl Graph {
         let square = self.node_of(square);
         self.call(Function::Exp, square).into()
     }
-    /// ∂(xʸ)/∂y = f ln x, and 0 where x ≤ 0.
+    /// ∂(xʸ)/∂y = f ln x, and 0 where x is. Where x < 0 it is 0 as well while f is a number, as that of `x^max(y, 2)` may
+    /// be, and no number where f is none.
     fn growth(&mut self, x: Id, f: Id) -> Scaled {
         let logarithm = self.call(Function::Ln, x);
         let product = self.product(&[f.into(), logarithm.into()]);
         let (product, zero) = (self.node_of(product), self.constant(0.0));
-        self.select(Comparison::LessOrEqual, x, zero, zero, product).into()
+        let slope = self.select(Comparison::LessOrEqual, x, zero, zero, product);
+        if self.never_negative(x) {
+            return slope.into();
+        }
+        let none_or_zero = self.sub(f, f);
+        self.select(Comparison::Less, x, zero, none_or_zero, slope).into()
     }
 
     /// ∂(aᵇ)/∂a and ∂(aᵇ)/∂b

@@ -188,6 +188,13 @@ fn exact_counts() {
             "{ a } |x, y, z| exp(-(x^2 + y^2) / (2 * a^2)) * cos(x * z) - y",
             "10 25 24 48 43 43 49; 8",
         ),
+        // What is under these roots is never negative, and nobody asks.
+        ("a square of a root", "{} |x, y, z| sqrt(x^2 + y^2)^2 * z", "6 9 8 12 25 3 21; 0"),
+        (
+            "squares of roots",
+            "{} |x, y, z| sqrt(max(0, x) + exp(y) * abs(x) + hypot(x, y))^2 + sqrt(sqrt(z) / cosh(z))^4",
+            "16 34 25 56 74 48 59 0; 0",
+        ),
         (
             "branches",
             "{} |x, y, z| if x < y { x^2 * z } else { y^3 } + max(x, z) * abs(y)",

@@ -1,10 +1,10 @@
 //! Inputs that are too deep or too long end in an error, never in a stack overflow.
 
 use proc_macro2::{TokenStream, TokenTree};
-use rattle_symbolic::functions::Function;
+use rattle_symbolic::functions::{Binary, Function};
 use rattle_symbolic::graph::Graph;
 use rattle_symbolic::node::{Comparison, Id, Input};
-use rattle_symbolic::routine::constraint;
+use rattle_symbolic::routine::{constraint, potential};
 use rattle_symbolic::{Macro, expand};
 
 fn expanded(expression: &str) -> String {
@@ -225,4 +225,19 @@ fn too_large() {
     assert!(result.contains("write it with shorter loops"), "{result}");
     let fits = expand(Macro::Constraint, sines(1000).parse().expect("tokens")).to_string();
     assert!(!fits.contains("compile_error"));
+}
+
+/// What holds itself twice at every level is no longer than its levels.
+#[test]
+fn doubled_at_every_level() {
+    let steps = |levels: u32| {
+        let mut graph = Graph::new();
+        let [x, y] = [0, 1].map(|k| graph.input(Input::Variable(k)));
+        let sum = graph.add(x, y);
+        let distance = (0..levels).fold(sum, |f, _| graph.call2(Binary::Hypot, f, f));
+        let square = graph.power(distance, 4);
+        potential(graph, square, 2).expect("within the limit").steps()
+    };
+    let (once, twice) = (steps(8), steps(16));
+    assert!(2 * twice <= 5 * once, "{once} steps, {twice} for twice as many levels");
 }
