@@ -15,6 +15,14 @@ potential! {
     |a, b| k * (a - b)^2 / 2
 }
 
+force! {
+    /// Another push where the body goes back.
+    struct Thrust { f }
+    |_q: [f64; 2], v: [f64; 2]| [if v[0] < 0 { f } else { 2 * f }, 0]
+}
+force! { struct Rubbing { mu } |_q: [f64; 2], v: [f64; 2]| -mu * sign(v[0]) * [1, 0] }
+force! { struct Wind { f } |_q: [f64; 2], v: [f64; 2]| [f + 0 * v[0], 0] }
+
 fn refused<T>(result: Result<T, Error>) -> Error {
     result.map(|_| ()).unwrap_err()
 }
@@ -430,4 +438,21 @@ fn every_0_steps_is_every_step() {
     };
     ensemble.stream(3, 0, count).unwrap();
     assert_eq!(snapshots, 3);
+}
+
+/// Forces that velocities choose are no pushes, though they have no slopes; momenta take them as they are.
+#[test]
+fn brownian_motion_has_no_velocities_to_choose_by() {
+    let (start, brownian) =
+        (|| State::at([0.0, 0.0]).moving([0.1, 0.0]), || Brownian::new(1.0, 1.0, 1, 0.01));
+    let told = [
+        refused(Scene::point().with(Thrust { f: 1.0 }).simulate(start(), brownian())).to_string(),
+        refused(Scene::point().with(Rubbing { mu: 1.0 }).simulate(start(), brownian())).to_string(),
+    ];
+    assert!(told.iter().all(|told| told.contains("Rattle") && !told.contains("Brownian,")), "{told:?}");
+    Scene::point().with(Wind { f: 1.0 }).simulate(start(), brownian()).unwrap().run(3).unwrap();
+
+    let mut back = Scene::point().with(Thrust { f: -0.1 }).simulate(start(), Rattle::new(0.01)).unwrap();
+    back.run(100).unwrap();
+    assert!((back.momentum()[0] - -0.05).abs() < 1e-3, "{}", back.momentum()); // 0.1 − 0.2·0.5 − 0.1·0.5
 }

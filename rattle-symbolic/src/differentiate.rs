@@ -16,6 +16,7 @@ use crate::graph::{Graph, found_from};
 use crate::node::{Comparison, Id, Input, Node};
 use crate::rules::{derivative, derivatives};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// One entry of the derivative table, for tests that plant a wrong one.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -156,6 +157,20 @@ impl<'a> Calculus<'a> {
         let (then, other) = (self.graph.node_of(then), self.graph.node_of(other));
         let selected = self.graph.select(comparison, a, b, then, other);
         self.ruled(Rule::Branch, selected.into())
+    }
+
+    /// Whether the roots choose between numbers by some of the variables: by conditions, signs or whole parts, of which
+    /// no slope tells.
+    pub(crate) fn choose_by(&mut self, roots: &[Id], variables: Range<u32>) -> bool {
+        let mut asked = Vec::new();
+        for id in self.graph.reachable(roots) {
+            match *self.graph.node(id) {
+                Node::Select(_, a, b, ..) => asked.extend([a, b]),
+                Node::Call(Function::Sign | Function::Floor, a) => asked.push(a),
+                _ => {}
+            }
+        }
+        asked.into_iter().any(|id| self.variables_of(id).iter().any(|k| variables.contains(k)))
     }
 
     /// The variables that a node is made of, ascending.

@@ -112,14 +112,16 @@ impl Kernel<'_> {
         }
     }
 
-    /// Whether a force depends on velocities and time.
+    /// Whether a force depends on velocities, has slopes by them, and depends on time.
     fn depends_on(&self, which: Macro) -> TokenStream {
         if which != Macro::Force {
             return TokenStream::new();
         }
-        let (on_velocity, on_time) = (self.routines.named("value_and_slopes").is_some(), self.sizes.time);
+        let (on_velocity, on_time) = (self.routines.on_velocity, self.sizes.time);
+        let sloped = self.routines.named("value_and_slopes").is_some();
         quote! {
             const ON_VELOCITY: ::core::primitive::bool = #on_velocity;
+            const SLOPED: ::core::primitive::bool = #sloped;
             const ON_TIME: ::core::primitive::bool = #on_time;
         }
     }

@@ -76,10 +76,15 @@ impl Macro {
 
     /// What holds for this macro beyond its expression, of so many components.
     pub(crate) fn check(self, item: &Item, components: usize, problems: &mut Problems) {
-        if let Macro::DrivenPotential | Macro::Force = self {
-            check_time(&item.variables, problems);
+        match self {
+            Macro::DrivenPotential | Macro::Force => check_time(&item.variables, problems),
+            Macro::Constraint => check_moving(&item.variables, problems),
+            _ => {}
         }
         match (self, &item.variables[..]) {
+            (Macro::Force, [first, ..]) if is_velocity(&first.name.to_string()) => {
+                problems.note_at(&first.name, "coordinates come first, then velocities: `|q, v|`");
+            }
             (Macro::Force, _) if !problems.any() => {
                 let sizes = self.sizes(item, components);
                 let (rest, time) = (sizes.coordinates(), sizes.time);
@@ -148,6 +153,24 @@ fn check_time(variables: &[Variable], problems: &mut Problems) {
             );
         }
     }
+}
+
+/// Notes a number called the time that is not the last variable of a constraint: `link_moving` takes the last one.
+fn check_moving(variables: &[Variable], problems: &mut Problems) {
+    let Some((_, others)) = variables.split_last() else { return };
+    for Variable { name, .. } in others.iter().filter(|variable| variable.shape.is_empty()) {
+        if name == TIME || name == "time" {
+            let message =
+                format!("`{name}` is the time of a moving constraint, and stands last, as in `|x, y, t|`");
+            problems.note_at(name, message);
+        }
+    }
+}
+
+/// Whether a velocity is called so: `v`, `vx`, `v0`, `v_left`, `vel`, `velocity`.
+fn is_velocity(name: &str) -> bool {
+    let Some(rest) = name.trim_start_matches('_').strip_prefix('v') else { return false };
+    rest.chars().count() < 2 || rest.starts_with('_') || ["el", "elocity", "elocities"].contains(&rest)
 }
 
 /// How many variables there are, whether the last one is the time, and how many equations or components.

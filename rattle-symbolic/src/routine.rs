@@ -49,13 +49,16 @@ pub struct Routines {
     pub(crate) gradients: (Graph, Vec<Scaled>),
     /// What changes sign where equations are not smooth, in the same graph.
     pub(crate) kinks: Vec<Id>,
+    /// Whether a force depends on velocities.
+    pub(crate) on_velocity: bool,
 }
 
 impl Routines {
     /// No function at all.
     pub(crate) fn empty() -> Self {
         let gradients = (Graph::new(), Vec::new());
-        Routines { graph: Graph::new(), list: Vec::new(), size: 0, gradients, kinks: Vec::new() }
+        let (graph, list, kinks) = (Graph::new(), Vec::new(), Vec::new());
+        Routines { graph, list, size: 0, gradients, kinks, on_velocity: false }
     }
 
     pub(crate) fn add(
@@ -226,7 +229,10 @@ pub fn force(
     let rows: Vec<Vec<Scaled>> =
         roots.iter().map(|&root| calculus.gradient(&[(Scaled::ONE, root)], variables)).collect();
     let slopes: Vec<Scaled> = rows.iter().filter_map(|row| row.get(k..2 * k)).flatten().copied().collect();
-    if has_velocities && slopes.iter().any(|slope| slope.factor != 0.0) {
+    let sloped = slopes.iter().any(|slope| slope.factor != 0.0);
+    let velocities = k as u32..2 * k as u32;
+    routines.on_velocity = has_velocities && (sloped || calculus.choose_by(roots, velocities));
+    if has_velocities && sloped {
         routines.add("value_and_slopes", &source, &[&values[..], &slopes].concat())?;
     }
     routines.gradients = (source, rows.concat());

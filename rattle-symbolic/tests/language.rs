@@ -10,6 +10,10 @@ fn expanded(input: &str) -> TokenStream {
 
 /// The messages, in order.
 fn messages(input: &str) -> Vec<String> {
+    messages_of(Macro::Constraint, input)
+}
+
+fn messages_of(which: Macro, input: &str) -> Vec<String> {
     fn collect(tokens: TokenStream, into: &mut Vec<String>) {
         let tokens: Vec<TokenTree> = tokens.into_iter().collect();
         for (i, token) in tokens.iter().enumerate() {
@@ -22,7 +26,7 @@ fn messages(input: &str) -> Vec<String> {
         }
     }
     let mut list = Vec::new();
-    collect(expanded(input), &mut list);
+    collect(expand(which, input.parse().expect("tokens")), &mut list);
     list.iter().map(|text| text.trim_matches('"').to_owned()).collect()
 }
 
@@ -169,6 +173,56 @@ fn mistakes() {
     ];
     for (written, expected) in rows {
         assert_eq!(messages(&format!("struct A {written}")), expected, "{written}");
+    }
+}
+
+/// Velocities follow coordinates, and the time follows both.
+#[test]
+fn variables_have_their_order() {
+    let velocities = "coordinates come first, then velocities: `|q, v|`";
+    let time = "`t` is the time of a moving constraint, and stands last, as in `|x, y, t|`";
+    let rows = [
+        (Macro::Force, "{ c } |v: [f64; 2]| -c * v", Some(velocities)),
+        (Macro::Force, "{ c } |v, q| -c * v", Some(velocities)),
+        (Macro::Force, "{ c } |vx, vy| [-c * vx, -c * vy]", Some(velocities)),
+        (Macro::Force, "{ c } |va: [f64; 2], vb: [f64; 2]| [-c * va, -c * vb]", Some(velocities)),
+        (Macro::Force, "{ c } |velocity, t| -c * velocity * t", Some(velocities)),
+        (Macro::Force, "{ c } |v_x, v_y| [-c * v_x, -c * v_y, 0]", Some(velocities)),
+        (Macro::Force, "{ c } |u, v| [-c * v, c * u]", None),
+        (Macro::Force, "{ c } |volume| -c * volume", None),
+        (Macro::Force, "{ c } |vertical, vx| -c * vx", None),
+        (Macro::Force, "{ c } |_q, v| -c * v", None),
+        (Macro::Potential, "{ c } |v| c * v^2", None),
+        (Macro::Constraint, "{ w } |t, x, y| x * sin(w * t) - y * cos(w * t)", Some(time)),
+        (Macro::Constraint, "{ w } |a: [f64; 2], t, b: [f64; 2]| dot(a, b) - w * t", Some(time)),
+        (Macro::Constraint, "{ w } |x, y, t| x * sin(w * t) - y * cos(w * t)", None),
+        (Macro::Constraint, "{ w } |t| t^2 - w", None),
+        (Macro::Constraint, "{ w } |t: [f64; 2], y| dot(t, t) + y - w", None),
+    ];
+    for (which, written, expected) in rows {
+        let found = messages_of(which, &format!("struct A {written}"));
+        assert_eq!(found, expected.map(str::to_owned).into_iter().collect::<Vec<_>>(), "{written}");
+    }
+    let time = "`time` is the time of a moving constraint, and stands last, as in `|x, y, t|`";
+    assert_eq!(messages("struct A { w } |time, y| y - w * time"), [time]);
+}
+
+/// A force depends on velocities also where they choose between numbers.
+#[test]
+fn forces_that_velocities_choose() {
+    let rows = [
+        ("-mu * sign(v[0])", true),
+        ("if v[0] < 0 { mu } else { 2 * mu }", true),
+        ("mu * floor(v[1] + q[0])", true),
+        ("-mu * v[1]", true),
+        ("-mu * q[0] + 0 * v[0]", false),
+        ("if q[0] < 0 { mu } else { 2 * mu }", false),
+    ];
+    for (first, depends) in rows {
+        let item = format!("struct A {{ mu }} |q: [f64; 2], v: [f64; 2]| [{first}, 0]");
+        let text = expand(Macro::Force, item.parse().expect("tokens")).to_string();
+        let line = format!("ON_VELOCITY : :: core :: primitive :: bool = {depends}");
+        assert!(text.contains(&line), "{first}");
     }
 }
 

@@ -7,8 +7,9 @@
 //! The rule is symmetric, and stable for friction of any stiffness. Friction c with h c/m > 4 turns a velocity round in
 //! each half instead of taking it away: steps need to be shorter, or the friction a
 //! [`LinearDrag`](crate::effect::LinearDrag), which is exact. Newton's method solves it with ∂f/∂v from the
-//! macro; corrections are halved until the residual falls. Where f does not depend on v, δ = h f exactly. Members that
-//! share a body act one after the other for h/2 each, in this order and then in the opposite one.
+//! macro; corrections are halved until the residual falls. Where f does not depend on v, or v does no more than choose
+//! between forces, δ = h f(q, v, t). Members that share a body act one after the other for h/2 each, in this order and
+//! then in the opposite one.
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, II.5.
 
@@ -117,7 +118,7 @@ impl<T: Real, X: ForceLawKernel<f64, K>, const D: usize, const K: usize, const A
                 };
                 let before: [f64; K] = part(changes);
                 let v = part(velocities);
-                let v = if X::ON_VELOCITY { sum(&v, &masses(&before)) } else { v };
+                let v = if X::SLOPED { sum(&v, &masses(&before)) } else { v };
                 let size = largest(&part(momenta)).max(largest(&before));
                 let change = midpoint(kernel, h, &part(at.positions), &v, at.time, size, masses);
                 let after = sum(&before, &change.unwrap_or([f64::NAN; K]));
@@ -130,7 +131,7 @@ impl<T: Real, X: ForceLawKernel<f64, K>, const D: usize, const K: usize, const A
                 }
             }
         };
-        let (part, back) = if self.apart || !X::ON_VELOCITY { (h, 0) } else { (0.5 * h, members) };
+        let (part, back) = if self.apart || !X::SLOPED { (h, 0) } else { (0.5 * h, members) };
         for i in (0..members).chain((0..back).rev()) {
             push(i, part);
         }
@@ -157,7 +158,7 @@ fn midpoint<X: ForceLawKernel<f64, K>, const K: usize>(
     size: f64,
     masses: impl Fn(&[f64; K]) -> [f64; K],
 ) -> Option<[f64; K]> {
-    if !X::ON_VELOCITY {
+    if !X::SLOPED {
         return Some(scaled(h, &kernel.value(q, v, t)));
     }
     let halves: [[f64; K]; K] = from_fn(|j| scaled(0.5, &masses(&from_fn(|k| f64::from(u8::from(k == j))))));

@@ -66,6 +66,9 @@ pub trait ForceLaw<const K: usize>: Sized {
 pub trait ForceLawKernel<T: Real, const K: usize>: Clone + Send + Sync + 'static {
     /// Whether f depends on v.
     const ON_VELOCITY: bool = false;
+    /// Whether ∂f/∂v is other than zero somewhere. Where v does no more than choose between forces, as in `sign(v)`, it
+    /// is not, and f is taken at the velocity before the step, not in its middle.
+    const SLOPED: bool = Self::ON_VELOCITY;
     /// Whether f depends on t.
     const ON_TIME: bool = false;
 
