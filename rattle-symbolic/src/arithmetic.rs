@@ -28,6 +28,15 @@ impl Arithmetic<'_> {
         }
     }
 
+    /// A product, quotient or power, which is finite, and is 0 only where one of its parts is.
+    pub(crate) fn sized(&mut self, result: Id, parts: &[Id], at: Extent) -> Value {
+        let is_zero = |id: Id| self.graph.number(id) == Some(0.0);
+        if is_zero(result) && !parts.iter().any(|&part| is_zero(part)) {
+            return self.wrong(at, "this constant is too small for `f64`, and would be 0");
+        }
+        self.finite(result, at)
+    }
+
     /// Applies an operation to every number in the value.
     pub(crate) fn map(&mut self, value: &Value, operation: &dyn Fn(&mut Graph, Id) -> Id) -> Value {
         match value {
@@ -105,7 +114,8 @@ impl Arithmetic<'_> {
             }
             (&Value::Number(a), &Value::Number(b)) => {
                 let result = operation(self.graph, a, b);
-                self.finite(result, extent)
+                let parts = if matches!(operator, Mul | Div) { [a, b] } else { [result; 2] };
+                self.sized(result, &parts, extent)
             }
             _ if a == b => self.zip(&left, &right, &|graph, a, b| operation(graph, a, b)),
             _ => {

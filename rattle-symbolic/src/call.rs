@@ -40,7 +40,7 @@ const SPECIAL: [(&str, Callee, usize, usize, &str); 9] = [
 ];
 
 /// What other languages say, and what is said here.
-const ALIASES: [(&str, &str); 31] = [
+const ALIASES: [(&str, &str); 32] = [
     ("log", "`ln(x)` or `log10(x)`"),
     ("lg", "`log10(x)` or `log2(x)`"),
     ("arctan", "`atan(x)`"),
@@ -65,6 +65,7 @@ const ALIASES: [(&str, &str); 31] = [
     ("signum", "`sign(x)`"),
     ("sgn", "`sign(x)`"),
     ("length", "`norm(a)`"),
+    ("cross", "its components: `a[1] * b[2] - a[2] * b[1]` is the first of three"),
     ("fmod", "`mod(x, y)`, which has the sign of y"),
     ("rem", "`mod(x, y)`, which has the sign of y"),
     ("rem_euclid", "`mod(x, y)`, which has the sign of y"),
@@ -279,12 +280,12 @@ impl Arithmetic<'_> {
                 }
                 if let Some(halves) = ratio.parts(2).and_then(|halves| i32::try_from(halves).ok()) {
                     let power = self.graph.power(x, halves);
-                    return self.finite(power, base_at.to(exponent_at));
+                    return self.sized(power, &[x], base_at.to(exponent_at));
                 }
                 if let Some(thirds) = ratio.parts(3).and_then(|thirds| i32::try_from(thirds).ok()) {
                     let root = self.graph.call(Function::Cbrt, x);
                     let power = self.graph.power(root, 2 * thirds);
-                    return self.finite(power, base_at.to(exponent_at));
+                    return self.sized(power, &[x], base_at.to(exponent_at));
                 }
                 (self.graph.constant(ratio.value()), ratio.value())
             }
@@ -305,6 +306,7 @@ impl Arithmetic<'_> {
             let at = base_at.to(exponent_at);
             return self.wrong(at, format!("`{x}^{real}` is {}", named(x.powf(real))));
         }
-        Value::Number(self.graph.call2(Binary::Powf, x, y))
+        let power = self.graph.call2(Binary::Powf, x, y);
+        self.sized(power, &[x], base_at.to(exponent_at))
     }
 }

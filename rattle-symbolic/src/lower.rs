@@ -288,15 +288,22 @@ impl Lowering<'_> {
             return true;
         }
         let operations = self.graph.len();
-        self.exhausted = operations > MOST || self.steps + self.graph.steps() > STEPS;
+        self.exhausted = operations > MOST || self.steps.saturating_add(self.graph.steps()) > STEPS;
         if operations > MOST {
             self.wrong(at, TooLarge { written: None, found: operations });
         } else if self.exhausted {
-            let message =
-                format!("reading the expression takes more than {STEPS} steps; write it with shorter loops");
+            let message = format!(
+                "reading the expression takes more than {STEPS} steps; write it with shorter loops and smaller arrays"
+            );
             self.wrong(at, message);
         }
         self.exhausted
+    }
+
+    /// Counts the numbers of an array; whether they have become too many.
+    fn takes(&mut self, numbers: usize, at: Extent) -> bool {
+        self.steps = self.steps.saturating_add(numbers);
+        self.exhausted(at)
     }
 
     fn expression(&mut self, expr: &Expr) -> Value {
@@ -330,6 +337,9 @@ impl Lowering<'_> {
             Kind::Array(list) => {
                 let list: Rc<[Value]> = list.iter().map(|element| self.expression(element)).collect();
                 let value = Value::Array(list);
+                if self.takes(value.size(), expr.extent) {
+                    return Value::Unknown;
+                }
                 let mut numbers = Vec::new();
                 if value.numbers(&mut numbers) && value.shape().is_none() {
                     return self.wrong(expr.extent, "the elements of this array differ in shape");
@@ -465,6 +475,9 @@ impl Lowering<'_> {
         }
         let condition = self.condition(condition);
         let (then, other) = (self.expression(then), self.expression(other));
+        if self.takes(then.size(), at) {
+            return Value::Unknown;
+        }
         let (Some(a), Some(b)) = (then.shape(), other.shape()) else { return Value::Unknown };
         if a != b {
             let (a, b) = (described(&a), described(&b));

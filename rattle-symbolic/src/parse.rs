@@ -64,7 +64,7 @@ fn item(input: ParseStream, problems: &mut Problems) -> Result<Item> {
     }
     let fields;
     braced!(fields in input);
-    let parameters = parameters(&fields, problems);
+    let parameters = parameters(&fields, &name, problems);
     if input.peek(Token![;]) {
         input.parse::<Token![;]>()?; // a slip that no one should have to think about
     }
@@ -124,7 +124,7 @@ fn underived(attribute: Attribute) -> Option<TokenStream> {
 }
 
 /// The parameters; what is wrong with one is noted, and the rest is read.
-fn parameters(fields: ParseStream, problems: &mut Problems) -> Vec<Parameter> {
+fn parameters(fields: ParseStream, owner: &Ident, problems: &mut Problems) -> Vec<Parameter> {
     let mut list: Vec<Parameter> = Vec::new();
     while !fields.is_empty() {
         match parameter(fields, problems) {
@@ -134,6 +134,13 @@ fn parameters(fields: ParseStream, problems: &mut Problems) -> Vec<Parameter> {
                 while !fields.is_empty() && !fields.peek(Token![,]) {
                     let _ = fields.parse::<TokenTree>();
                 }
+            }
+        }
+        if fields.peek(Token![=]) {
+            let message = format!("parameters have no defaults; values are given where an `{owner}` is made");
+            problems.note_syntax(fields.error(message));
+            while !fields.is_empty() && !fields.peek(Token![,]) {
+                let _ = fields.parse::<TokenTree>();
             }
         }
         if fields.is_empty() {

@@ -16,7 +16,7 @@ use crate::tokens::{self, drain, error, found, invisible, is_invisible, meaningl
 use proc_macro2::{Ident, Span};
 use syn::ext::IdentExt;
 use syn::parse::{ParseStream, Parser as _, Result};
-use syn::{Lit, Token, braced, bracketed, parenthesized, token};
+use syn::{Lit, LitInt, Token, braced, bracketed, parenthesized, token};
 
 /// Deeper nesting is an error, long before it could exhaust the stack.
 const DEEPEST: u32 = 100;
@@ -219,7 +219,11 @@ impl<'p> Parser<'p> {
             if input.peek(Token![.]) && !input.peek(Token![..]) {
                 input.parse::<Token![.]>()?;
                 if !input.peek(Ident::peek_any) {
-                    return Err(error(input, "expected a function after the dot, as in `x.sin()`"));
+                    let message = match input.fork().parse::<LitInt>() {
+                        Ok(place) => format!("a component is written with brackets: `[{place}]`"),
+                        Err(_) => "expected a function after the dot, as in `x.sin()`".to_owned(),
+                    };
+                    return Err(error(input, message));
                 }
                 let name = input.call(Ident::parse_any)?;
                 if !input.peek(token::Paren) {
@@ -482,7 +486,7 @@ impl<'p> Parser<'p> {
         let end = self.problems.extent(brace.span.close());
         let outside = std::mem::replace(&mut self.condition, false);
         let mut lets = Vec::new();
-        while inside.peek(Token![let]) {
+        while inside.peek(Token![let]) || tokens::lets(&inside) {
             if let Some(binding) = self.binding(&inside) {
                 lets.push(binding);
             }
@@ -516,7 +520,11 @@ impl<'p> Parser<'p> {
     }
 
     fn binding_value(&mut self, input: ParseStream, name: &mut Option<Ident>) -> Result<Expr> {
-        input.parse::<Token![let]>()?;
+        if input.parse::<Option<Token![let]>>()?.is_none() {
+            let name: Ident = input.fork().parse()?;
+            let message = format!("`let` is missing; write `let {name} = …;`");
+            self.problems.note_syntax(error(input, message));
+        }
         if input.peek(Token![mut]) {
             return Err(error(input, "`mut` has no meaning in a formula; leave it out"));
         }

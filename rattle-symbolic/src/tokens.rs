@@ -45,6 +45,22 @@ pub(crate) fn power_of_function(input: ParseStream) -> bool {
     ahead.parse::<Token![^]>().is_ok() && ahead.parse::<Lit>().is_ok() && ahead.peek(token::Paren)
 }
 
+/// Whether a `let` comes next that lacks the word: `name = …;`.
+pub(crate) fn lets(input: ParseStream) -> bool {
+    let ahead = input.fork();
+    if ahead.parse::<Ident>().is_err() || !ahead.peek(Token![=]) || ahead.peek(Token![==]) {
+        return false;
+    }
+    let mut rest = ahead.cursor();
+    while let Some((token, next)) = rest.token_tree() {
+        if matches!(token, TokenTree::Punct(punct) if punct.as_char() == ';') {
+            return true;
+        }
+        rest = next;
+    }
+    false
+}
+
 /// A name, where one must come next.
 pub(crate) fn name(input: ParseStream) -> syn::Result<Ident> {
     if input.peek(Token![_]) {

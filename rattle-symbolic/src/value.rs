@@ -23,13 +23,21 @@ impl Value {
             Value::Unknown => None,
             Value::Number(_) => Some(vec![]),
             Value::Array(list) => {
-                let mut shape = list.first()?.shape()?;
-                if list.iter().any(|element| element.shape().as_ref() != Some(&shape)) {
+                let (first, rest) = list.split_first()?;
+                let mut shape = first.shape()?;
+                if rest.iter().any(|element| element.shape().as_ref() != Some(&shape)) {
                     return None;
                 }
                 shape.insert(0, list.len());
                 Some(shape)
             }
+        }
+    }
+    /// How many numbers there are, if the elements of each array are alike.
+    pub(crate) fn size(&self) -> usize {
+        match self {
+            Value::Unknown | Value::Number(_) => 1,
+            Value::Array(list) => list.first().map_or(1, Value::size).saturating_mul(list.len()),
         }
     }
     /// The numbers in it, row by row.

@@ -161,6 +161,35 @@ fn mistakes() {
             "{ radius } |x| x - raduis",
             vec!["unknown name `raduis`, expected one of radius, x, pi, e; did you mean `radius`?"],
         ),
+        ("{} |x| 10^-320 * x", vec!["this constant is too small for `f64`, and would be 0"]),
+        ("{} |x| 1e-200 * 1e-200 * x", vec!["this constant is too small for `f64`, and would be 0"]),
+        ("{} |x| 1e-200 / 1e200 * x", vec!["this constant is too small for `f64`, and would be 0"]),
+        ("{} |x| (1e-3)^200.3 * x", vec!["this constant is too small for `f64`, and would be 0"]),
+        ("{} |x| 1e-200^2 * x", vec!["this constant is too small for `f64`, and would be 0"]),
+        (
+            "{} |x| product(_i in 0..400, 1/10) * x",
+            vec!["this constant is too small for `f64`, and would be 0"],
+        ),
+        ("{} |x| 1e-320 * x + 1e-200 * 1e-110 * x + exp(-1000) * x + 0 * 3 * x + 0^2 + 0 / 2", vec![]),
+        (
+            "{} |x: [f64; 3]| norm(cross(x, x))",
+            vec![
+                "unknown function `cross`; write its components: `a[1] * b[2] - a[2] * b[1]` is the first of three",
+            ],
+        ),
+        ("{} |x| { a = x; a + x }", vec!["`let` is missing; write `let a = …;`"]),
+        ("{} |x| { let a = x; b = 2 * a; a + b }", vec!["`let` is missing; write `let b = …;`"]),
+        (
+            "{ r } |x| { x = r }",
+            vec!["found `=`, expected an expression; for a constraint `left = right` write `left - right`"],
+        ),
+        ("{ k = 1 } |x| k * x", vec!["parameters have no defaults; values are given where an `A` is made"]),
+        (
+            "{ k: f64 = 1.0, l } |x| k * x - l",
+            vec!["parameters have no defaults; values are given where an `A` is made"],
+        ),
+        ("{ k: [f64; 2] } |x| k.1 * x", vec!["a component is written with brackets: `[1]`"]),
+        ("{ k: [f64; 2] } |x| k.* x", vec!["expected a function after the dot, as in `x.sin()`"]),
         ("{ weight } |x| x - mass", vec!["unknown name `mass`, expected one of weight, x, pi, e"]),
         ("{ weight } |x| x - weihgt(2)", vec![unknown.as_str()]),
         (

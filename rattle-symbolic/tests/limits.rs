@@ -241,3 +241,14 @@ fn doubled_at_every_level() {
     let (once, twice) = (steps(8), steps(16));
     assert!(2 * twice <= 5 * once, "{once} steps, {twice} for twice as many levels");
 }
+
+/// Arrays of arrays of arrays are counted.
+#[test]
+fn arrays_without_end() {
+    let lets: String = (1..=40).map(|k| format!("let f{k} = [f{}, f{}];", k - 1, k - 1)).collect();
+    for body in ["f40[0][1]", "norm(f40)", "(if x < 0 { f40 } else { f40 })[0]"] {
+        let input = format!("struct A {{}} |x, y| {{ let f0 = [x, y]; {lets} x + {body} }}");
+        let result = expand(Macro::Potential, input.parse().expect("tokens")).to_string();
+        assert!(result.contains("write it with shorter loops and smaller arrays"), "{result:.600}");
+    }
+}
