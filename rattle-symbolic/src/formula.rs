@@ -150,7 +150,8 @@ impl Names {
     }
 }
 
-fn components(name: String, shape: &[usize], into: &mut Vec<String>) {
+/// The names of the numbers of an array.
+pub(crate) fn components(name: String, shape: &[usize], into: &mut Vec<String>) {
     match shape.split_first() {
         None => into.push(name),
         Some((&length, inner)) => {

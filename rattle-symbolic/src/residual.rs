@@ -37,6 +37,8 @@ struct Roles {
     given: usize,
     kept: Vec<usize>,
     eliminated: Vec<usize>,
+    /// What is eliminated, number by number.
+    names: Vec<String>,
 }
 
 /// The struct and its kernel, generated for the input of `residual!`.
@@ -70,8 +72,13 @@ pub fn residual(input: TokenStream) -> TokenStream {
     }
     match routines(graph, &roots, written, &roles) {
         Ok(routines) => implementation(&item, &headings, &routines, &roles),
-        Err(large) => {
+        Err(Refusal::TooLarge(large)) => {
             problems.note_at(&item.name, large);
+            refused(&item, &roles, written, problems)
+        }
+        Err(Refusal::Undetermined(message)) => {
+            let name = headings.eliminated.first().unwrap_or(&item.name);
+            problems.note_at(name, message);
             refused(&item, &roles, written, problems)
         }
     }
@@ -99,13 +106,14 @@ fn check(headings: &Headings, roles: &Roles, written: usize, all: usize, problem
 }
 
 fn roles(item: &Item, headings: &Headings, problems: &mut Problems) -> Roles {
-    let (mut all, mut eliminated, mut unknowns) = (0, Vec::new(), 0);
+    let (mut all, mut eliminated, mut names, mut unknowns) = (0, Vec::new(), Vec::new(), 0);
     for (place, variable) in item.variables.iter().enumerate() {
         let size: usize = variable.shape.iter().product();
         if place < headings.unknowns {
             unknowns += size;
             if headings.eliminated.contains(&variable.name) {
                 eliminated.extend(all..all + size);
+                formula::components(variable.name.to_string(), &variable.shape, &mut names);
             }
         }
         all += size;
@@ -129,11 +137,42 @@ fn roles(item: &Item, headings: &Headings, problems: &mut Problems) -> Roles {
         problems.note_at(first, message);
     }
     let kept = (0..unknowns).filter(|i| !eliminated.contains(i)).collect();
-    Roles { unknowns, given: all - unknowns, kept, eliminated }
+    Roles { unknowns, given: all - unknowns, kept, eliminated, names }
 }
 
-/// A⁻¹ by cofactors, of one to three rows.
-fn inverse(graph: &mut Graph, a: &[Vec<Scaled>]) -> Vec<Vec<Scaled>> {
+/// Why there are no functions.
+enum Refusal {
+    TooLarge(TooLarge),
+    /// What is eliminated is not determined.
+    Undetermined(String),
+}
+
+impl From<TooLarge> for Refusal {
+    fn from(large: TooLarge) -> Self {
+        Refusal::TooLarge(large)
+    }
+}
+
+/// What is wrong with Jₑₑ where its determinant is 0 by its form; its rows and columns have these names.
+fn undetermined(a: &[Vec<Scaled>], names: &[String]) -> Refusal {
+    let rule = "the component in the place of an unknown is the one that it is found from";
+    let column = |j: usize| a.iter().all(|row| row[j].is_zero());
+    let all = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let row = (0..a.len()).find(|&i| a[i].iter().all(|entry| entry.is_zero()));
+    Refusal::Undetermined(match (row, (0..a.len()).find(|&j| column(j))) {
+        (Some(i), _) => {
+            format!(
+                "the component in the place of `{}` does not depend on {all}, which it is to be found from",
+                names[i]
+            )
+        }
+        (None, Some(j)) => format!("no component in the places of {all} depends on `{}`; {rule}", names[j]),
+        (None, None) => format!("the components in the places of {all} do not tell these apart; {rule}"),
+    })
+}
+
+/// A⁻¹ by cofactors, of one to three rows; none where it is known that there is none.
+fn inverse(graph: &mut Graph, a: &[Vec<Scaled>]) -> Option<Vec<Vec<Scaled>>> {
     let n = a.len();
     let minor = |graph: &mut Graph, i: usize, j: usize| match n {
         1 => Scaled::ONE,
@@ -151,9 +190,13 @@ fn inverse(graph: &mut Graph, a: &[Vec<Scaled>]) -> Vec<Vec<Scaled>> {
         .collect();
     let terms: Vec<Scaled> = (0..n).map(|j| graph.product(&[a[0][j], cofactors[0][j]])).collect();
     let determinant = graph.sum(&terms);
+    if determinant.is_zero() {
+        return None;
+    }
     let determinant = graph.node_of(determinant);
     let one_over = graph.reciprocal(determinant);
-    (0..n).map(|i| (0..n).map(|j| graph.product(&[cofactors[j][i], one_over])).collect()).collect()
+    let row = |i: usize| (0..n).map(|j| graph.product(&[cofactors[j][i], one_over])).collect();
+    Some((0..n).map(row).collect())
 }
 
 fn difference(graph: &mut Graph, a: [Scaled; 2], b: [Scaled; 2]) -> Scaled {
@@ -170,7 +213,7 @@ fn less(graph: &mut Graph, a: Scaled, b: &[Scaled], c: &[Scaled]) -> Scaled {
     graph.sum(&terms)
 }
 
-fn routines(mut source: Graph, roots: &[Id], components: usize, roles: &Roles) -> Result<Routines, TooLarge> {
+fn routines(mut source: Graph, roots: &[Id], components: usize, roles: &Roles) -> Result<Routines, Refusal> {
     let n = roles.unknowns;
     let mut routines = Routines::empty();
     let values: Vec<Scaled> = roots[..components].iter().map(|&root| root.into()).collect();
@@ -187,7 +230,8 @@ fn routines(mut source: Graph, roots: &[Id], components: usize, roles: &Roles) -
     let pick = |rows_of: &[usize], columns: &[usize]| -> Vec<Vec<Scaled>> {
         rows_of.iter().map(|&i| columns.iter().map(|&j| rows[i][j]).collect()).collect()
     };
-    let inverse = inverse(&mut source, &pick(e, e));
+    let own = pick(e, e);
+    let inverse = inverse(&mut source, &own).ok_or_else(|| undetermined(&own, &roles.names))?;
     let (below, beside) = (pick(e, k), pick(k, e));
     // W = Jₑₑ⁻¹ [Jₑₖ | Rₑ], by columns.
     let column = |source: &mut Graph, of: &dyn Fn(usize) -> Scaled| -> Vec<Scaled> {

@@ -26,6 +26,26 @@ fn each_mistake_has_one_message_and_a_kernel_stands_in() {
         ("struct A {} |x, y| { let a = x; [a, y] linearise [a, y, x] }", "before it, 2; found 3"),
         ("struct A {} |x, y| [x, y, x * y] linearise [x]", "before it, 3; found 1"), // four in all, and no halves
         ("struct A {} |x, y| x linearise [y, x, y]", "before it, 1; found 3"),
+        (
+            "struct A {} |h, p| eliminate(p) [p - h, h - 1]",
+            "the component in the place of `p` does not depend on `p`, which it is to be found from",
+        ),
+        (
+            "struct A {} |h, p: [f64; 2]| eliminate(p) [h, p[1] + h, h^2]",
+            "the component in the place of `p[1]` does not depend on `p[0]`, `p[1]`",
+        ),
+        (
+            "struct A {} |h, p| eliminate(p) [h + p, p] linearise [h + p, h]",
+            "the component in the place of `p`",
+        ),
+        (
+            "struct A {} |h, p, q| eliminate(p, q) [h + q, h + p, h - p]",
+            "no component in the places of `p`, `q` depends on `q`",
+        ),
+        (
+            "struct A {} |h, p, q| eliminate(p, q) [h, p + q, p + q - h]",
+            "the components in the places of `p`, `q` do not tell these apart",
+        ),
         ("struct A { unused } |x, y| [x, y]", "unused"),
         ("struct A {} |x, y| [x, t]", "hand it over with what is given"),
         ("struct A {} |x, y| given [x, y]", "expected two bars after `given`"),
