@@ -13,6 +13,9 @@ const LONGEST: usize = 240;
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum Tightness {
     Choice,
+    Or,
+    And,
+    Comparison,
     Sum,
     Product,
     Sign,
@@ -81,7 +84,9 @@ fn chain(first: &Expr, rest: &[(Operator, Expr)]) -> (String, Tightness) {
     let own = match rest.first() {
         Some((Operator::Add | Operator::Sub, _)) => Tightness::Sum,
         Some((Operator::Mul | Operator::Div, _)) => Tightness::Product,
-        _ => Tightness::Choice,
+        Some((Operator::Or, _)) => Tightness::Or,
+        Some((Operator::And, _)) => Tightness::And,
+        _ => Tightness::Comparison,
     };
     let (mut result, tightness) = text(first);
     if tightness < own {

@@ -38,6 +38,26 @@ fn derivatives_by_component() {
     }
 }
 
+/// Conditions are shown as they are read: `&&` binds tighter than `||`, and comparisons tighter than both.
+#[test]
+fn conditions_as_written() {
+    let rows = [
+        ("(x < 0 || y < 1) && y < 2", "(x < 0 || y < 1) && y < 2"),
+        ("x < 0 || y < 1 && y < 2", "x < 0 || y < 1 && y < 2"),
+        ("x < 0 || (y < 1 && y < 2)", "x < 0 || y < 1 && y < 2"),
+        ("(x < 0) && (y + 1 < x - 2) && x <= y", "x < 0 && y + 1 < x - 2 && x <= y"),
+        ("x < 0 && (y < 1 && y < 2)", "x < 0 && (y < 1 && y < 2)"),
+    ];
+    for (written, shown) in rows {
+        let input = format!("struct A {{}} |x, y| if {written} {{ x }} else {{ y }}");
+        let output = expand(Macro::Potential, input.parse().expect("tokens")).to_string();
+        assert!(
+            output.contains(&format!("\"U = if {shown} {{ x }} else {{ y }}\"")),
+            "{written}: {output:.600}"
+        );
+    }
+}
+
 /// A list of functions: a file, its text, where in it the list begins and ends, and which ones it leaves out.
 struct List {
     file: &'static str,
