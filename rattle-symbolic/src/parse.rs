@@ -137,7 +137,7 @@ fn parameters(fields: ParseStream, owner: &Ident, problems: &mut Problems) -> Ve
             }
         }
         if fields.peek(Token![=]) {
-            let message = format!("parameters have no defaults; values are given where an `{owner}` is made");
+            let message = format!("parameters have no defaults; values are given where `{owner}` is made");
             problems.note_syntax(fields.error(message));
             while !fields.is_empty() && !fields.peek(Token![,]) {
                 let _ = fields.parse::<TokenTree>();

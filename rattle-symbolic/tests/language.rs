@@ -183,10 +183,10 @@ fn mistakes() {
             "{ r } |x| { x = r }",
             vec!["found `=`, expected an expression; for a constraint `left = right` write `left - right`"],
         ),
-        ("{ k = 1 } |x| k * x", vec!["parameters have no defaults; values are given where an `A` is made"]),
+        ("{ k = 1 } |x| k * x", vec!["parameters have no defaults; values are given where `A` is made"]),
         (
             "{ k: f64 = 1.0, l } |x| k * x - l",
-            vec!["parameters have no defaults; values are given where an `A` is made"],
+            vec!["parameters have no defaults; values are given where `A` is made"],
         ),
         ("{ k: [f64; 2] } |x| k.1 * x", vec!["a component is written with brackets: `[1]`"]),
         ("{ k: [f64; 2] } |x| k.* x", vec!["expected a function after the dot, as in `x.sin()`"]),

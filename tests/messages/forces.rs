@@ -45,6 +45,18 @@ force! {
     pub struct Still { c }
     |q: [f64; 1], v: [f64; 1], _t| [-c * v[0] + 0 * q[0]]
 }
+force! {
+    pub struct Drag { c }
+    |v: [f64; 2]| -c * v
+}
+force! {
+    pub struct Reversed { c }
+    |v, q| -c * v - q
+}
+constraint! {
+    pub struct Crank { w }
+    |t, x, y| x * sin(w * t) - y * cos(w * t)
+}
 
 fn main() {
     // The stubs stand in, so that these lines are not reported as well.

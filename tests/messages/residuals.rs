@@ -36,6 +36,12 @@ residual! {
     eliminate(p)
     { let s = p ** 2; [h - c, s * epsilon] linearize [h - c, s + k] }
 }
+residual! {
+    pub struct Swapped { epsilon }
+    |h, p|
+    eliminate(p)
+    [p - epsilon * h, h - 1]
+}
 
 fn main() {
     let (u, c) = ([1.0, 2.0, 3.0], [4.0, 5.0]);
@@ -47,5 +53,6 @@ fn main() {
     let bars: [f64; 3] = Bars { epsilon: 1.0 }.kernel().residual(&u, &c);
     let part: [f64; 3] = Part { epsilon: 1.0 }.kernel().residual(&u, &[bars[0]]);
     let unread: [f64; 3] = Unread { epsilon: 1.0 }.kernel().residual(&u, &[part[0]; Unread::GIVEN]);
-    assert!(unread[0] > 0.0);
+    let swapped: [f64; 1] = Swapped { epsilon: 1.0 }.kernel().condensed_residual(&[unread[0], 1.0], &[]);
+    assert!(swapped[0] > 0.0);
 }

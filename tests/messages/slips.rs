@@ -89,6 +89,22 @@ hamiltonian! {
     pub struct Turned {}
     |p, q| p^2 / 2 + q
 }
+constraint! {
+    pub struct Vanishing { r }
+    |x, y| 10^-320 * x + 1e-200 * 1e-200 * y - r
+}
+constraint! {
+    pub struct Place { r: [f64; 2] }
+    |x, y| x + y - r.0
+}
+potential! {
+    pub struct Unsaid { r }
+    |x, y| { f = x; g = 2 * f; f + r * g + y }
+}
+constraint! {
+    pub struct Crossed { r }
+    |a: [f64; 3], b: [f64; 3]| norm(cross(a, b)) - r
+}
 potential! {
     pub struct Equation { a }
     |x, y| a * x = y

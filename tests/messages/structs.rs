@@ -27,6 +27,10 @@ constraint! {
     pub struct Conditional { #[cfg(unix)] r, #[cfg_attr(unix, cfg(unix))] s }
     |x| x - r - s
 }
+constraint! {
+    pub struct Given { r = 1, s: f64 = 2.0 }
+    |x| x - r - s
+}
 
 fn main() {
     let _ = Single { r: 1.0, list: Default::default(), n: [1.0; 2], c: Default::default(), last: 1.0 } .clone();
