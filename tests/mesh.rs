@@ -136,6 +136,104 @@ fn boxes_and_numbers_that_cannot_serve_are_errors() {
     assert!(matches!(Mesh::of(blind, [-1.5; 3], [1.5; 3], 20), Err(MeshError::NotFinite { .. })));
 }
 
+/// A sphere about this centre.
+fn ball(centre: Point, r: f64) -> impl Fn(Point) -> (f64, Point) {
+    move |q| {
+        let d = minus(q, centre);
+        (dot(d, d) - r * r, d.map(|x| 2.0 * x))
+    }
+}
+
+/// A mesh with a sphere's normals outwards has its volume, wherever it lies: an inscribed polyhedron with edges of a
+/// cell c is missing about c²/2 of it, and a vertex is rounded to 1e-16 of its coordinates.
+#[test]
+fn volumes_are_those_at_the_origin() {
+    let exact = 4.0 / 3.0 * std::f64::consts::PI;
+    for away in [0.0, 1e3, 1e5, 1e6, -1e7] {
+        let centre = [away, 2.0 * away, 3.0 * away];
+        let [low, high] = [-1.3, 1.3].map(|side| centre.map(|x| x + side));
+        let volume = Mesh::of(ball(centre, 1.0), low, high, 40).unwrap().volume();
+        let cell: f64 = 2.6 / 40.0;
+        assert!((0.0..cell * cell).contains(&(1.0 - volume / exact)), "{away:e}: volume {volume}");
+    }
+}
+
+/// The surface that holds the start, or an error: no other surface, no pieces of it, and no mesh without triangles.
+#[test]
+fn around_a_point_is_its_surface_or_an_error() {
+    let far = |x: f64, r: f64| (ball([x, 0.0, 0.0], r), [x, 0.0, r], r);
+    for (g, near, r) in [far(1e6, 1.0), far(100.0, 0.001), far(1e5, 1.0), far(1e7, 1.0)] {
+        let mesh = Mesh::around(g, near, 40).unwrap_or_else(|error| panic!("{near:?}: {error}"));
+        assert!(mesh.is_closed() && mesh.euler_characteristic() == 2, "{near:?}");
+        assert!(
+            (mesh.volume() / (4.0 / 3.0 * std::f64::consts::PI * r.powi(3)) - 1.0).abs() < 0.01,
+            "{near:?}"
+        );
+    }
+    // A small ball beside a large one, in one formula.
+    let (small, large) = (ball([1024.0, 0.0, 0.0], 1.0 / 64.0), ball([0.0; 3], 500.0));
+    let both = |q| {
+        let ((f, df), (g, dg)) = (small(q), large(q));
+        (f * g, [0, 1, 2].map(|i| df[i] * g + f * dg[i]))
+    };
+    let mesh = Mesh::around(both, [1024.0 + 1.0 / 64.0, 0.0, 0.0], 40).unwrap();
+    assert!(mesh.is_closed());
+    assert!(mesh.vertices.iter().all(|q| (q[0] - 1024.0).abs() < 0.02), "the other ball");
+    // Rings from thick to thinner than a cell, from two starts: whole, or refused.
+    let (mut whole, mut refused) = (0, 0);
+    for minor in [0.3, 0.08, 0.05, 0.04, 0.03, 0.02, 0.005] {
+        for angle in [0.0, 0.7f64] {
+            let ring = rattle::surfaces::TorusByDistance { major: 1.0, minor };
+            let near = [(1.0 + minor) * angle.cos(), (1.0 + minor) * angle.sin(), 0.0];
+            match Mesh::around(surface(&ring), near, 40) {
+                Ok(mesh) => {
+                    let closed = mesh.is_closed() && mesh.euler_characteristic() == 0;
+                    assert!(
+                        closed && mesh.vertices.iter().any(|q| q[0] < -0.97),
+                        "{minor} at {angle}: pieces"
+                    );
+                    whole += 1;
+                }
+                Err(MeshError::Thin { .. }) => refused += 1,
+                Err(error) => panic!("{minor} at {angle}: {error}"),
+            }
+        }
+    }
+    assert!(whole >= 4 && refused >= 4, "{whole} whole, {refused} refused");
+    let nothing = Mesh { vertices: Vec::new(), normals: Vec::new(), triangles: Vec::new() };
+    assert!(!nothing.is_closed());
+}
+
+/// At a pole g changes its sign without a root: there are no triangles, and all others lie on the surface.
+#[test]
+fn poles_are_no_walls() {
+    let tangent: Surface = |[x, _, z]| (z - x.tan(), [-1.0 - x.tan().powi(2), 0.0, 1.0]);
+    let inverse: Surface = |[x, _, z]| (1.0 / x - z, [-1.0 / (x * x), 0.0, -1.0]);
+    for (name, g, low, high, sheets) in [
+        ("tangent", tangent, [-3.0, -1.0, -2.0], [3.0, 1.0, 2.0], 3),
+        ("inverse", inverse, [-2.03, -1.0, -3.0], [2.0, 1.0, 3.0], 2),
+    ] {
+        let mesh = Mesh::within(g, low, high, 60).unwrap();
+        assert!(mesh.triangles.len() > 500, "{name}: {} triangles", mesh.triangles.len());
+        assert_eq!(mesh.euler_characteristic(), sheets, "{name}: sheets without holes");
+        for &vertex in &mesh.vertices {
+            let (value, gradient) = g(vertex);
+            assert!(
+                value.abs() < 1e-4 * dot(gradient, gradient).sqrt(),
+                "{name}: {vertex:?} is off the surface"
+            );
+        }
+        for corners in &mesh.triangles {
+            let [a, b, c] = corners.map(|vertex| mesh.vertices[vertex as usize]);
+            let longest = [minus(a, b), minus(b, c), minus(c, a)].map(|side| dot(side, side).sqrt());
+            assert!(longest.iter().all(|&side| side < 0.5), "{name}: a triangle to another sheet");
+        }
+    }
+    let alone: Surface = |[x, _, _]| (1.0 / x, [-1.0 / (x * x), 0.0, 0.0]);
+    let error = Mesh::within(alone, [-1.03; 3], [1.0; 3], 20).unwrap_err();
+    assert!(matches!(error, MeshError::Thin { .. }), "{error}");
+}
+
 fn minus(a: Point, b: Point) -> Point {
     [0, 1, 2].map(|i| a[i] - b[i])
 }

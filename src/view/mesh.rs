@@ -14,15 +14,20 @@ use crate::vtu::{self, Cells, Field};
 use fast_surface_nets::ndshape::{RuntimeShape, Shape};
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
 
-/// Steps of Newton's method at most; from within a cell it takes three or four.
-const NEWTON_STEPS: usize = 12;
+/// Steps of Newton's method at most; from within a cell it takes three or four, more where the gradient vanishes.
+const NEWTON_STEPS: usize = 30;
 /// A vertex is on the surface when the next displacement is below this part of a cell.
 const ON_SURFACE: f64 = 1e-9;
+/// A vertex whose last displacement was above this part of a cell has found no surface,
+const REACHED: f64 = 1e-3;
+/// and one that went farther than so many cells has found another part of it.
+const ASTRAY: f64 = 3.0;
+/// Halvings of an edge between two signs, after which g is below a part of what it was, unless it jumps.
+const HALVINGS: usize = 40;
+const VANISHED: f64 = 1e-6;
 
-/// Cells along the longest side of boxes that are tried; more where they miss the surface.
-const COARSE: usize = 24;
-/// Boxes that are tried: from a thousandth of the point's coordinates to 10⁶ of them.
-const BOXES: usize = 30;
+/// x ↦ (g, ∇g).
+pub(super) type Function<'a> = &'a dyn Fn([f64; 3]) -> (f64, [f64; 3]);
 
 /// The function x ↦ (g, ∇g) of a constraint, for [`Mesh::of`].
 ///
@@ -55,28 +60,6 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Meshes the closed surface near this point, such as the start of a motion. A box is grown until the surface no
-    /// longer leaves it; all of {g = 0} inside the box is meshed, with `cells` as for [`Mesh::of`].
-    ///
-    /// # Errors
-    /// As [`Mesh::of`]; [`MeshError::Endless`] where no box holds the surface.
-    ///
-    /// ```
-    /// use rattle::view::{Mesh, surface};
-    /// let torus = rattle::surfaces::Torus { major: 1.0, minor: 0.3 };
-    /// let mesh = Mesh::around(surface(&torus), [1.3, 0.0, 0.0], 40)?;
-    /// assert!(mesh.is_closed() && mesh.euler_characteristic() == 0);
-    /// # Ok::<(), rattle::view::MeshError>(())
-    /// ```
-    pub fn around(
-        g: impl Fn([f64; 3]) -> (f64, [f64; 3]),
-        near: [f64; 3],
-        cells: usize,
-    ) -> Result<Self, MeshError> {
-        let (low, high) = box_around(&g, near, cells)?;
-        Self::net(&g, low, high, cells, Border::Closed)
-    }
-
     /// Meshes {g = 0} inside the box from `low` to `high` with `cells` grid cells along its longest side.
     ///
     /// `g` returns the value and the gradient. It is evaluated at up to about `cells`³ grid points, and a few times per
@@ -125,8 +108,8 @@ impl Mesh {
         Self::net(&g, low, high, cells, Border::Open)
     }
 
-    fn net(
-        g: &dyn Fn([f64; 3]) -> (f64, [f64; 3]),
+    pub(super) fn net(
+        g: Function,
         low: [f64; 3],
         high: [f64; 3],
         cells: usize,
@@ -135,14 +118,23 @@ impl Mesh {
         let grid = Grid::new(low, high, cells)?;
         let net = grid.net(&grid.sample(g, border)?);
         let mut mesh = Self { vertices: Vec::new(), normals: Vec::new(), triangles: Vec::new() };
+        // Where g changes its sign at a pole there is no surface to reach.
+        let mut kept = Vec::with_capacity(net.positions.len());
         for &[i, j, k] in &net.positions {
             let start = grid.point([i, j, k].map(f64::from));
-            let (vertex, normal) = project(g, start, grid.cell)?;
-            mesh.vertices.push(vertex);
-            mesh.normals.push(normal);
+            let foot = project(g, start, grid.cell)?;
+            let foot = if foot.is_near(start, grid.cell) { Some(foot) } else { grid.root(g, start)? };
+            kept.push(foot.as_ref().map(|_| mesh.vertices.len() as u32));
+            mesh.vertices.extend(foot.as_ref().map(|foot| foot.point));
+            mesh.normals.extend(foot.map(|foot| foot.normal));
         }
-        mesh.triangles = net.indices.as_chunks().0.to_vec();
+        let triangles =
+            net.indices.as_chunks().0.iter().map(|corners| corners.map(|vertex| kept[vertex as usize]));
+        mesh.triangles = triangles.filter_map(|[a, b, c]| Some([a?, b?, c?])).collect();
         mesh.drop_slivers(1e-6 * grid.cell);
+        if mesh.triangles.is_empty() {
+            return Err(MeshError::Thin { cell: grid.cell, cells });
+        }
         Ok(mesh)
     }
 
@@ -185,7 +177,7 @@ impl Mesh {
             self.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
         directed.sort_unstable();
         let once = directed.windows(2).all(|pair| pair[0] != pair[1]);
-        once && directed.iter().all(|&[a, b]| directed.binary_search(&[b, a]).is_ok())
+        once && !directed.is_empty() && directed.iter().all(|&[a, b]| directed.binary_search(&[b, a]).is_ok())
     }
 
     /// The volume that a closed mesh encloses; negative where g > 0 inside.
@@ -197,7 +189,9 @@ impl Mesh {
     /// # Ok::<(), rattle::view::MeshError>(())
     /// ```
     pub fn volume(&self) -> f64 {
-        let corner = |vertex: u32| self.vertices[vertex as usize];
+        // From a vertex: far from the origin all digits would cancel.
+        let from = self.triangles.first().map_or([0.0; 3], |corners| self.vertices[corners[0] as usize]);
+        let corner = |vertex: u32| minus(self.vertices[vertex as usize], from);
         self.triangles.iter().map(|&[a, b, c]| dot(corner(a), cross(corner(b), corner(c))) / 6.0).sum()
     }
 
@@ -244,7 +238,7 @@ impl Mesh {
 
 /// Whether a surface may leave the box.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Border {
+pub(super) enum Border {
     Closed,
     Open,
 }
@@ -280,11 +274,7 @@ impl Grid {
     }
 
     /// g at every point, first coordinate fastest, as single precision: the net needs the sign and roughly the size.
-    fn sample(
-        &self,
-        g: &dyn Fn([f64; 3]) -> (f64, [f64; 3]),
-        border_is: Border,
-    ) -> Result<Vec<f32>, MeshError> {
+    fn sample(&self, g: Function, border_is: Border) -> Result<Vec<f32>, MeshError> {
         let shape = self.shape();
         let mut values = Vec::with_capacity(shape.usize());
         let (mut inside, mut border) = ([false; 2], [None; 2]);
@@ -319,6 +309,31 @@ impl Grid {
         Ok(values.into_iter().map(single).collect())
     }
 
+    /// The root on an edge of the cell that holds this point that is nearest to the point: by halving, where Newton's
+    /// method goes astray. There is none if g changes its sign by jumps alone.
+    fn root(&self, g: Function, start: [f64; 3]) -> Result<Option<Foot>, MeshError> {
+        let first = [0, 1, 2].map(|i| ((start[i] - self.low[i]) / self.cell).floor());
+        let corner = |bits: usize| self.point([0, 1, 2].map(|i| first[i] + (bits >> i & 1) as f64));
+        let mut best: Option<[f64; 3]> = None;
+        for (bits, axis) in
+            (0..8).flat_map(|bits| [(bits, 1), (bits, 2), (bits, 4)]).filter(|(n, axis)| n & axis == 0)
+        {
+            let [mut a, mut b] = [corner(bits), corner(bits | axis)];
+            let [below, above] = [g(a).0, g(b).0];
+            if (below < 0.0) == (above < 0.0) {
+                continue;
+            }
+            for _ in 0..HALVINGS {
+                let middle = [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]));
+                *if (g(middle).0 < 0.0) == (below < 0.0) { &mut a } else { &mut b } = middle;
+            }
+            let vanished = g(a).0.abs().max(g(b).0.abs()) <= VANISHED * below.abs().max(above.abs());
+            let nearer = best.is_none_or(|best| length(minus(a, start)) < length(minus(best, start)));
+            best = if vanished && nearer { Some(a) } else { best };
+        }
+        best.map(|point| project(g, point, 0.0)).transpose()
+    }
+
     fn net(&self, values: &[f32]) -> SurfaceNetsBuffer {
         let mut net = SurfaceNetsBuffer::default();
         surface_nets(values, &self.shape(), [0; 3], self.count.map(|n| n - 1), &mut net);
@@ -326,89 +341,60 @@ impl Grid {
     }
 }
 
-/// A box with room around the surface that passes near this point, as so many cells show it.
-fn box_around(
-    g: &dyn Fn([f64; 3]) -> (f64, [f64; 3]),
-    near: [f64; 3],
-    cells: usize,
-) -> Result<([f64; 3], [f64; 3]), MeshError> {
-    let (start, _) = project(g, near, f64::INFINITY)?;
-    let size = start.into_iter().fold(0.0, |size: f64, x| size.max(x.abs()));
-    let half = 1e-3 * if size > 0.0 { size } else { 1.0 };
-    let (mut low, mut high) = (start.map(|x| x - half), start.map(|x| x + half));
-    // Once a sheet was found to be thin, all grids are as fine: a coarser one would see a part of it.
-    let mut coarse = COARSE.min(cells);
-    for _ in 0..BOXES {
-        let mesh = loop {
-            match Mesh::net(g, low, high, coarse, Border::Open) {
-                // A sheet between two points of the grid.
-                Err(MeshError::Empty { .. }) if coarse < cells => coarse = (2 * coarse).min(cells),
-                Err(MeshError::Empty { .. }) => break None,
-                found => break Some(found?),
-            }
-        };
-        let cell = minus(high, low).into_iter().fold(0.0, f64::max) / coarse as f64;
-        let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for vertex in mesh.iter().flat_map(|mesh| &mesh.vertices) {
-            (0..3).for_each(|i| (least[i], most[i]) = (least[i].min(vertex[i]), most[i].max(vertex[i])));
-        }
-        let (mut held, sides) = (mesh.is_some(), minus(high, low));
-        for i in 0..3 {
-            let below = mesh.is_none() || least[i] < low[i] + 1.5 * cell;
-            let above = mesh.is_none() || most[i] > high[i] - 1.5 * cell;
-            low[i] -= if below { sides[i] } else { 0.0 };
-            high[i] += if above { sides[i] } else { 0.0 };
-            held &= !below && !above;
-        }
-        if held {
-            return Ok((least.map(|x| x - 2.0 * cell), most.map(|x| x + 2.0 * cell)));
-        }
-    }
-    Err(MeshError::Endless { low, high })
+/// A point of the surface.
+pub(super) struct Foot {
+    pub(super) point: [f64; 3],
+    /// The unit normal there.
+    normal: [f64; 3],
+    /// The last displacement; infinite where it was cut.
+    off: f64,
 }
 
-/// The point of the surface near `start`, by Newton's method along the gradient, and the unit normal there. A step is
-/// at most a cell, so that no vertex flies off; where the gradient vanishes, at a pinch, the vertex stays.
-fn project(
-    g: &dyn Fn([f64; 3]) -> (f64, [f64; 3]),
-    start: [f64; 3],
-    cell: f64,
-) -> Result<([f64; 3], [f64; 3]), MeshError> {
-    let mut point = start;
-    let mut normal = [0.0, 0.0, 1.0];
+impl Foot {
+    fn is_near(&self, start: [f64; 3], cell: f64) -> bool {
+        self.off <= REACHED * cell && length(minus(self.point, start)) <= ASTRAY * cell
+    }
+}
+
+/// The point of the surface near `start`, by Newton's method along the gradient. A step is at most a cell, so that no
+/// vertex flies off; where the gradient vanishes, at a pinch, the vertex stays.
+pub(super) fn project(g: Function, start: [f64; 3], cell: f64) -> Result<Foot, MeshError> {
+    let mut foot = Foot { point: start, normal: [0.0, 0.0, 1.0], off: 0.0 };
     for _ in 0..NEWTON_STEPS {
-        let (value, gradient) = g(point);
+        let (value, gradient) = g(foot.point);
         let slope = length(gradient);
         if !(value.is_finite() && slope.is_finite()) {
-            return Err(MeshError::NotFinite { point, value });
+            return Err(MeshError::NotFinite { point: foot.point, value });
         }
         if slope == 0.0 {
+            foot.off = 0.0;
             break;
         }
-        normal = gradient.map(|component| component / slope);
+        foot.normal = gradient.map(|component| component / slope);
         let step = (value / slope).clamp(-cell, cell);
-        point = [0, 1, 2].map(|i| point[i] - step * normal[i]);
-        let size = point.into_iter().fold(step.abs(), |size: f64, x| size.max(x.abs()));
+        foot.off = if step.abs() < cell { step.abs() } else { f64::INFINITY };
+        foot.point = [0, 1, 2].map(|i| foot.point[i] - step * foot.normal[i]);
+        let size = foot.point.into_iter().fold(step.abs(), |size: f64, x| size.max(x.abs()));
         if step.abs() <= ON_SURFACE * if cell.is_finite() { cell } else { size } {
             break;
         }
     }
-    Ok((point, normal))
+    Ok(foot)
 }
 
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| a[i] - b[i])
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn length([x, y, z]: [f64; 3]) -> f64 {
+pub(super) fn length([x, y, z]: [f64; 3]) -> f64 {
     x.hypot(y).hypot(z)
 }
 
@@ -441,6 +427,16 @@ pub enum MeshError {
         low: [f64; 3],
         /// Highest corner.
         high: [f64; 3],
+    },
+    /// The surface is thinner than a cell, or g changes its sign at a pole alone.
+    #[error(
+        "no whole surface is seen with cells of {cell:e}: it is thinner, or g changes its sign at poles; try more than {cells} cells, or a smaller box"
+    )]
+    Thin {
+        /// The side of a cell.
+        cell: f64,
+        /// Cells along the longest side.
+        cells: usize,
     },
     /// g or its gradient is NaN or infinite.
     #[error(
