@@ -490,6 +490,133 @@ fn a_moving_surface_moves() {
     assert!((last / first - 4.0).abs() < 0.6, "{first} {last}");
 }
 
+/// A ball with a path around it, rods, a disc, a wall, a box and radii, so far away and so large.
+fn model(title: &str, away: [f64; 3], size: f64) -> Scene3 {
+    let place = |q: [f64; 3]| [0, 1, 2].map(|i| away[i] + size * q[i]);
+    let g = |q: [f64; 3]| {
+        let d = [0, 1, 2].map(|i| q[i] - away[i]);
+        (dot(d, d) - 0.25 * size * size, d.map(|x| 2.0 * x))
+    };
+    let mesh = Mesh::of(g, place([-0.6; 3]), place([0.6; 3]), 24).unwrap();
+    let times: Vec<f64> = (0..=20).map(|i| 0.1 * f64::from(i)).collect();
+    let turn = |t: f64, r: f64| place([r * t.cos(), r * t.sin(), 0.1]);
+    let paths = [0.5, 1.0].map(|r| times.iter().map(|t| turn(*t, r)).collect::<Vec<_>>());
+    Scene3::new(title)
+        .surface(&mesh)
+        .bodies(&times, &paths)
+        .trail(10)
+        .sizes(&[vec![0.03 * size], vec![0.06 * size]])
+        .rods([(0, 1)])
+        .rods([(1, place([0.0, 0.0, 1.0]))])
+        .disc(place([-0.9, 0.2, 0.0]), [0.0, 1.0, 0.3], 0.3 * size)
+        .wall(place([-1.2, 0.6, -0.7]), [[2.4 * size, 0.0, 0.0], [0.0, 0.0, 1.8 * size]])
+        .turning_box(
+            [0.2, 0.3, 0.4].map(|x| x * size),
+            &[place([0.8, 0.0, -0.5])],
+            &[[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]],
+        )
+        .axes(["x", "y", "z"])
+}
+
+/// A graphics processor knows f32 alone, which is 0.5 at 5·10⁶, and 0 for squares of 1e-23: a scene far from the origin,
+/// a tiny and a huge one look as they do at the origin.
+#[test]
+fn scenes_of_any_place_and_size_look_alike() {
+    let Some(chromium) = browser::find() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("places.html");
+    let scenes = [("near", 0.0, 1.0), ("far", 5e6, 1.0), ("tiny", 0.0, 1e-12), ("huge", 1e13, 1e12)];
+    let page = Page::new("Places");
+    let page =
+        scenes.iter().fold(page, |page, (title, x, size)| page.scene(model(title, [*x, *x, -*x], *size)));
+    page.write(&file).unwrap();
+    let mut page = Browser::start(&chromium, &[]);
+    page.resize(800, 600, false);
+    page.open(&file);
+    page.wait("window.rattle !== undefined");
+    page.evaluate("rattle.pause()");
+    // Numbers on the axes are others.
+    page.evaluate("document.getElementById('notes').style.display = 'none'");
+    let pictures: Vec<_> = (0..scenes.len())
+        .map(|scene| {
+            page.evaluate(&format!(
+                "rattle.show({scene}); document.getElementById('reset').click(); rattle.seek(7)"
+            ));
+            let picture = settled(&mut page);
+            keep(&mut page, scenes[scene].0);
+            picture
+        })
+        .collect();
+    assert!(colourful(&pictures[0]) > 0.0005, "{}", colourful(&pictures[0]));
+    for ((title, ..), picture) in scenes.iter().zip(&pictures) {
+        let off = changed(&pictures[0], picture);
+        assert!(off < 0.01, "{title}: {off} of the picture differs");
+    }
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// Numbers that f32 or six decimals would hide: times of a picosecond, small changes on a chart, a way through the
+/// border of space.
+#[test]
+fn small_numbers_and_periods_are_shown() {
+    let Some(chromium) = browser::find() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("small.html");
+    let times: Vec<f64> = (0..=100).map(|i| 1e-13 * f64::from(i)).collect();
+    let path: Vec<_> = (0..=100).map(|i| [f64::from(i), 0.0, f64::from(i % 2)]).collect();
+    let energy: Vec<f64> = (0..=100).map(|i| -0.5 + 1e-8 * (0.1 * f64::from(i)).sin()).collect();
+    let small = Scene3::new("small").bodies(&times, &[path]).chart("Energy", [("E", energy)]);
+    let around = [vec![[0.9, 0.0, 0.0], [0.1, 0.0, 0.0]], vec![[0.0; 3]; 2], vec![[1.0, 0.0, 1.0]; 2]];
+    let around = Scene3::new("around").bodies(&[0.0, 1.0], &around).periods([1.0, 0.0, 0.0]).names(["a"]);
+    Page::new("Small").scene(small).scene(around).write(&file).unwrap();
+    let mut page = Browser::start(&chromium, &[]);
+    page.resize(1120, 720, false);
+    page.open(&file);
+    page.wait("window.rattle !== undefined");
+    page.evaluate("rattle.pause(); rattle.seek(25)");
+    page.wait("clock.textContent.includes('25 / 100')");
+    assert_eq!(page.evaluate("clock.textContent"), "t = 2.5·10⁻¹² 25 / 100");
+    // The rows that the curve covers, in parts of the chart.
+    let rows = "(() => { const page = document.querySelector('#charts canvas'), { width, height } = page; rattle.draw(); \
+                const { data } = page.getContext('2d').getImageData(0.3 * width, 30, 0.6 * width, height - 60); let rows = new Set(); \
+                for (let i = 0; i < data.length; i += 4) if (data[i] < 40 && data[i + 2] > 150) rows.add(Math.floor(i / 4 / Math.floor(0.6 * width))); \
+                return rows.size / (height - 60) })()";
+    keep(&mut page, "small");
+    let covered = page.evaluate(rows).as_f64().unwrap();
+    assert!(covered > 0.7, "the curve covers {covered} of the chart's height");
+    // Half on its way, the body is on the border.
+    page.evaluate("rattle.show(1); rattle.seek(0.5); rattle.draw()");
+    keep(&mut page, "around");
+    let across = page.evaluate("[0, 1, 2].map((body) => rattle.place(body)[0])");
+    let [body, left, right] = [0, 1, 2].map(|i| across[i].as_f64().unwrap());
+    assert!((body - right).abs() < 0.05 * (right - left), "{across}");
+    assert!(pixel(&mut page, "rattle.place(0)")[3] > 200, "the name is elsewhere than the body");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// The page's data.
+fn written(scene: Scene3) -> serde_json::Value {
+    let html = Page::new("Page").scene(scene).to_html().unwrap();
+    let data = html.split(r#"<script type="application/json" id="data">"#).nth(1).unwrap();
+    serde_json::from_str(data.split("</script>").next().unwrap()).unwrap()
+}
+
+/// Surfaces that begin at the times of the motion are shown from there on: both are rounded to f32.
+#[test]
+fn surfaces_begin_at_their_times() {
+    let times: Vec<f64> = (0..10).map(|k| 0.1 * f64::from(k)).collect();
+    let surfaces: Vec<_> = times.iter().map(|&t| (t, ball(0.5 + t / 2.0))).collect();
+    let data = written(Scene3::new("balloon").times(&times).moving_surface(&surfaces));
+    let starts: Vec<f64> = serde_json::from_value(data["scenes"][0]["starts"].clone()).unwrap();
+    for (frame, time) in times.iter().enumerate() {
+        let shown = starts.iter().rposition(|start| *start <= f64::from(*time as f32));
+        assert_eq!(shown, Some(frame), "at {time}");
+    }
+    let endless = [(f64::NEG_INFINITY, ball(0.5)), (1e300, ball(1.0))];
+    let data = written(Scene3::new("balloon").times(&times).moving_surface(&endless));
+    assert_eq!(data["scenes"][0]["starts"], json!([-1e300, 1e300]));
+}
+
 #[test]
 fn scenes_that_cannot_be_drawn_are_errors() {
     let path = [[0.0; 3], [1.0; 3]];
@@ -498,6 +625,16 @@ fn scenes_that_cannot_be_drawn_are_errors() {
     let on_a_line =
         rattle::Scene::point().simulate(rattle::State::at([0.0]), rattle::Rattle::new(0.1)).unwrap();
     let line = rattle::Trajectory::of(&on_a_line);
+    let run = |h| {
+        let start = rattle::State::at([0.0; 3]).moving([1.0, 0.0, 0.0]);
+        let mut simulation = rattle::Scene::point().simulate(start, rattle::Rattle::new(h)).unwrap();
+        let mut trajectory = rattle::Trajectory::of(&simulation);
+        simulation.observe(10, 5, &mut trajectory).unwrap();
+        trajectory
+    };
+    let (slow, fast) = (run(0.25), run(0.5));
+    let same = Scene3::new("flight").trajectory(&slow).trajectory(&slow);
+    assert!(Page::new("Page").scene(same).to_html().is_ok());
     #[rustfmt::skip]
     let cases = [
         ("nobody",    scene(&[0.0, 1.0], &[]),                                  "nothing moves"),
@@ -527,6 +664,7 @@ fn scenes_that_cannot_be_drawn_are_errors() {
         ("period",    flight().periods([0.0, -1.0, 0.0]),                       "period -1"),
         ("no period", flight().periods([f64::NAN, 0.0, 0.0]),                   "period NaN"),
         ("a line",    flight().trajectory(&line),                               "a trajectory has 1"),
+        ("two paces", Scene3::new("flight").trajectory(&slow).trajectory(&fast), "has time 1 at 2.5, and the bodies before it at 1.25"),
         ("too far",   scene(&[0.0, 1.0], &[far]),                               "1e39"),
     ];
     for (name, scene, words) in cases {

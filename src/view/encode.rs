@@ -6,7 +6,8 @@
 //! ```
 //!
 //! A point is rounded to 1/65535 of the scene's cube, a thirtieth of a pixel; the page has half the size of one with
-//! f32.
+//! f32. A graphics processor knows f32 alone: the page draws from a middle of the scene and in a unit of its own, which
+//! are kept as f64, as is the middle of a chart.
 
 use super::mesh::Mesh;
 use super::parts::{End, Moved, Strip};
@@ -32,7 +33,12 @@ pub(super) fn scene_json(scene: &Scene3, meshes: &[usize]) -> Value {
         .iter()
         .map(|disc| json!({ "centre": index(&disc.centre), "axis": disc.axis, "radius": disc.radius }))
         .collect();
-    let starts = scene.surfaces.iter().map(|(time, _)| if time.is_finite() { *time } else { -1e300 });
+    // As the times that they are compared with.
+    let starts = scene.surfaces.iter().map(|(time, _)| match f64::from(*time as f32) {
+        start if start.is_finite() => start,
+        endless => 1e300_f64.copysign(endless),
+    });
+    let (middle, unit) = space(scene);
     let sizes = scene.sizes.as_ref().map(|sizes| {
         let (each, rows) = rows(sizes, bodies);
         json!({ "each": each, "values": singles(rows.into_iter().flatten()) })
@@ -50,6 +56,8 @@ pub(super) fn scene_json(scene: &Scene3, meshes: &[usize]) -> Value {
         "heat": heat,
         "trail": scene.trail.min(scene.times.len()),
         "seconds": scene.seconds,
+        "middle": middle,
+        "unit": unit,
         "periods": scene.periods,
         "particles": bodies,
         "times": singles(&scene.times),
@@ -67,9 +75,43 @@ pub(super) fn scene_json(scene: &Scene3, meshes: &[usize]) -> Value {
     })
 }
 
+/// Where the page's own coordinates begin, and their unit, a power of two near half of the size: of the surfaces, so
+/// that scenes on the same mesh share both, or else of all that has a place.
+fn space(scene: &Scene3) -> ([f64; 3], f64) {
+    let mut points: Vec<[f64; 3]> =
+        scene.surfaces.iter().flat_map(|(_, mesh)| &mesh.vertices).copied().collect();
+    if points.is_empty() {
+        points.extend(scene.positions.iter().flatten());
+        let ends = scene.rods.iter().flatten().chain(scene.discs.iter().map(|disc| &disc.centre));
+        points.extend(ends.filter_map(|end| if let End::Place(place) = end { Some(*place) } else { None }));
+        for [corner, a, b] in &scene.walls {
+            let at = |i: f64, j: f64| [0, 1, 2].map(|k| corner[k] + i * a[k] + j * b[k]);
+            points.extend([at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)]);
+        }
+        for Moved { sides, centres, .. } in &scene.boxes {
+            let beside =
+                |sign: f64| centres.iter().map(move |q| [0, 1, 2].map(|i| q[i] + 0.5 * sign * sides[i]));
+            points.extend(beside(-1.0).chain(beside(1.0)));
+        }
+    }
+    let sides = [0, 1, 2].map(|i| ends(points.iter().map(|point| point[i]).filter(|x| x.is_finite())));
+    let half = sides.map(|[low, high]| 0.5 * (high - low)).into_iter().fold(0.0, f64::max);
+    let unit = if half > 0.0 { half.log2().floor().exp2() } else { 1.0 };
+    (sides.map(|[low, high]| low + 0.5 * (high - low)), unit)
+}
+
+/// The least and the largest, or zero where there is none.
+fn ends(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+    let end = |pick: fn(f64, f64) -> f64| values.clone().reduce(pick).unwrap_or(0.0);
+    [end(f64::min), end(f64::max)]
+}
+
+/// Values less their middle: small changes of a large number would be lost in f32.
 fn chart_json(strip: &Strip) -> Value {
-    let curve = |(label, values): &(String, Vec<f64>)| json!({ "label": label, "values": singles(values) });
-    json!({ "title": strip.title, "curves": strip.curves.iter().map(curve).collect::<Vec<_>>() })
+    let [low, high] = ends(strip.curves.iter().flat_map(|(_, values)| values).copied());
+    let middle = low + 0.5 * (high - low);
+    let curve = |(label, values): &(String, Vec<f64>)| json!({ "label": label, "values": singles(values.iter().map(|value| value - middle)) });
+    json!({ "title": strip.title, "middle": middle, "curves": strip.curves.iter().map(curve).collect::<Vec<_>>() })
 }
 
 /// A row for each body, all of the same length: one number for all times is repeated where others have more.
@@ -81,8 +123,7 @@ fn rows(lists: &[Vec<f64>], bodies: usize) -> (usize, Vec<Vec<f64>>) {
 
 /// Numbers as 16-bit fractions of their range.
 fn scale_json(label: &str, each: usize, values: &[f64]) -> Value {
-    let end = |pick: fn(f64, f64) -> f64| values.iter().copied().reduce(pick).unwrap_or(0.0);
-    let (low, high) = (end(f64::min), end(f64::max));
+    let [low, high] = ends(values.iter().copied());
     let span = if high > low { high - low } else { 1.0 };
     let fraction = |value: &f64| (((value - low) / span * f64::from(u16::MAX)).round() as u16).to_le_bytes();
     json!({ "label": label, "low": low, "high": high, "each": each, "values": base64(values.iter().flat_map(fraction)) })
@@ -138,10 +179,9 @@ pub(super) fn mesh_json(mesh: &Mesh) -> Value {
 
 /// Points as 16-bit fractions of the cube around them.
 fn points_json<'a>(points: impl Iterator<Item = &'a [f64; 3]> + Clone) -> Value {
-    let bound =
-        |i: usize, pick: fn(f64, f64) -> f64| points.clone().map(|p| p[i]).reduce(pick).unwrap_or(0.0);
-    let corner = [0, 1, 2].map(|i| bound(i, f64::min));
-    let size = (0..3).map(|i| bound(i, f64::max) - corner[i]).fold(f64::MIN_POSITIVE, f64::max);
+    let sides = [0, 1, 2].map(|i| ends(points.clone().map(|p| p[i])));
+    let corner = sides.map(|[low, _]| low);
+    let size = sides.iter().map(|[low, high]| high - low).fold(f64::MIN_POSITIVE, f64::max);
     let fraction = |i: usize, x: f64| ((x - corner[i]) / size * f64::from(u16::MAX)).round() as u16;
     let bytes = points.clone().flat_map(|p| [0, 1, 2].map(|i| fraction(i, p[i]).to_le_bytes())).flatten();
     json!({ "corner": corner, "size": size, "points": base64(bytes) })

@@ -29,6 +29,20 @@ pub enum PageError {
         /// The time.
         time: f64,
     },
+    /// A trajectory has other times than the bodies before it.
+    #[error(
+        "scene `{scene}`: a trajectory has time {frame} at {found}, and the bodies before it at {wanted}; record all at the same times"
+    )]
+    OtherTimes {
+        /// The scene.
+        scene: String,
+        /// The time's number.
+        frame: usize,
+        /// The time in the trajectory.
+        found: f64,
+        /// The time in the scene.
+        wanted: f64,
+    },
     /// The number of positions of a body is not the number of times.
     #[error("scene `{scene}`: body {body} has {positions} positions for {times} times")]
     Length {

@@ -63,9 +63,10 @@ impl Page {
     /// The page as text.
     ///
     /// # Errors
-    /// [`PageError::NoScene`], and for a scene [`PageError::NoMotion`], [`PageError::Times`], [`PageError::Length`],
-    /// [`PageError::NotFinite`], [`PageError::TooMany`], [`PageError::NoBody`], [`PageError::Count`],
-    /// [`PageError::Number`] and [`PageError::Attitude`].
+    /// [`PageError::NoScene`], and for a scene [`PageError::NoMotion`], [`PageError::Times`],
+    /// [`PageError::OtherTimes`], [`PageError::Length`], [`PageError::NotFinite`], [`PageError::TooMany`],
+    /// [`PageError::NoBody`], [`PageError::Count`], [`PageError::Dimension`], [`PageError::Number`] and
+    /// [`PageError::Attitude`].
     ///
     /// ```
     /// use rattle::view::{Page, PageError, Scene3};

@@ -39,6 +39,8 @@ pub struct Scene3 {
     pub(super) positions: Vec<Vec<[f64; 3]>>,
     /// Of a trajectory that no page shows.
     pub(super) coordinates: Option<usize>,
+    /// Of a trajectory that has others than the scene: its number, the trajectory's time and the scene's.
+    pub(super) other: Option<(usize, [f64; 2])>,
     pub(super) trail: usize,
     pub(super) seconds: f64,
     /// Of space along the axes, 0 where it has none.
@@ -72,6 +74,7 @@ impl Scene3 {
             times: Vec::new(),
             positions: Vec::new(),
             coordinates: None,
+            other: None,
             trail: 0,
             seconds: 30.0,
             periods: [0.0; 3],
@@ -144,7 +147,7 @@ impl Scene3 {
     /// assert!(rattle::view::Page::new("Rest").scene(scene).to_html().is_err());
     /// ```
     pub fn times(mut self, times: &[f64]) -> Self {
-        self.times = times.to_vec();
+        (self.times, self.other) = (times.to_vec(), None);
         self
     }
 
@@ -162,7 +165,7 @@ impl Scene3 {
         P: AsRef<[Q]>,
         Q: Place,
     {
-        self.times = times.to_vec();
+        (self.times, self.other) = (times.to_vec(), None);
         self.positions =
             positions.iter().map(|path| path.as_ref().iter().map(|point| point.place()).collect()).collect();
         self
@@ -182,7 +185,8 @@ impl Scene3 {
     /// # Ok::<(), rattle::Error>(())
     /// ```
     ///
-    /// A page says [`PageError::Dimension`] if the bodies have other than two or three coordinates.
+    /// A page says [`PageError::Dimension`] if the bodies have other than two or three coordinates, and
+    /// [`PageError::OtherTimes`] if a trajectory has other times than the one before.
     pub fn trajectory(mut self, trajectory: &Trajectory) -> Self {
         let [_, bodies, coordinates] = trajectory.shape();
         if bodies > 0 && !matches!(coordinates, 2 | 3) {
@@ -192,6 +196,11 @@ impl Scene3 {
         if self.times.is_empty() {
             self.times = trajectory.times().to_vec();
         }
+        // The page has one list of times; what nobody sees of them is rounding.
+        let span = self.times.last().map_or(0.0, |last| last - self.times[0]);
+        let pairs = trajectory.times().iter().zip(&self.times).map(|(&found, &wanted)| [found, wanted]);
+        let differ = |(_, [found, wanted]): &(usize, [f64; 2])| (found - wanted).abs() > 1e-6 * span;
+        self.other = self.other.or_else(|| pairs.enumerate().find(differ));
         let place = |q: &[f64]| [q[0], q[1], q.get(2).copied().unwrap_or(0.0)];
         let path = |body| trajectory.path(body).map(place).collect();
         self.positions.extend((0..bodies).map(path));
@@ -315,6 +324,9 @@ impl Scene3 {
         let scene = || self.title.clone();
         if let Some(coordinates) = self.coordinates {
             return Err(PageError::Dimension { scene: scene(), coordinates });
+        }
+        if let Some((frame, [found, wanted])) = self.other {
+            return Err(PageError::OtherTimes { scene: scene(), frame, found, wanted });
         }
         self.numbers("duration", [&self.seconds], true)?;
         self.numbers("period", self.periods.iter().filter(|&&period| period != 0.0), true)?;

@@ -13,8 +13,9 @@ class Chart {
     const values = this.curves.map((curve) => curve.values);
     const end = (pick, none) => values.reduce((end, list) => list.reduce((a, b) => pick(a, b), end), none);
     [this.low, this.high] = [end(Math.min, Infinity), end(Math.max, -Infinity)];
-    if (!(this.high > this.low)) {
-      const room = 1e-3 * Math.abs(this.low) || 1;
+    const size = Math.max(...[this.low, this.high].map((end) => Math.abs(this.middle + end)));
+    if (!(this.high - this.low > 1e-13 * size)) {
+      const room = 1e-3 * size || 1;
       [this.low, this.high] = [this.low - room, this.high + room];
     }
     page.setAttribute("role", "img");
@@ -67,7 +68,8 @@ class Chart {
     pen.setTransform(this.pixelRatio, 0, 0, this.pixelRatio, 0, 0);
     pen.clearRect(0, 0, this.width, this.height);
     pen.font = `11.5px ${FONT}`;
-    const up = ticks(this.low, this.high, Math.max((this.height - EDGE.top - EDGE.bottom) / 34, 1));
+    const most = Math.max((this.height - EDGE.top - EDGE.bottom) / 34, 1);
+    const up = ticks(this.middle + this.low, this.middle + this.high, most).map(({ value, label }) => ({ value: value - this.middle, label }));
     this.left = 14 + Math.max(...up.map(({ label }) => pen.measureText(label).width), 0);
     const across = ticks(...this.span, Math.max((this.width - this.left) / 70, 1));
     const [bottom, right] = [this.height - EDGE.bottom, this.width - EDGE.right];

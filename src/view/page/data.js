@@ -11,10 +11,10 @@ function decode(text, Type) {
   return new Type(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
 }
 
-/** Points are 16-bit fractions of a cube. */
-function decodePoints({ corner, size, points }) {
+/** Points are 16-bit fractions of a cube; here from the middle of a scene and in its unit, before they are f32. */
+function decodePoints({ corner, size, points }, { middle, unit }) {
   const whole = decode(points, Uint16Array);
-  return Float32Array.from(whole, (value, i) => corner[i % 3] + (size * value) / 65535);
+  return Float32Array.from(whole, (value, i) => (corner[i % 3] - middle[i % 3] + (size * value) / 65535) / unit);
 }
 
 // ---- colours --------------------------------------------------------------------------------------------------------
@@ -65,17 +65,21 @@ function viridisAt(part, into) {
 
 /** One notation for all numbers of a scale: in full with equally many decimals, or by powers of ten. */
 function numbers(values, step) {
-  const largest = Math.max(...values.map(Math.abs));
+  const write = notation(Math.max(...values.map(Math.abs)), step);
+  return values.map((value) => (Math.abs(value) < 1e-6 * step ? "0" : write(value)));
+}
+
+/** How numbers up to the largest are written, so that those a step apart differ. */
+function notation(largest, step) {
   const digits = Math.max(Math.ceil(-Math.log10(step) - 1e-9), 0);
   const plain = largest === 0 || (largest < 1e6 && largest >= 1e-3 && digits <= 6);
   const exponent = plain ? 0 : Math.floor(Math.log10(largest) + 1e-12);
-  const decimals = Math.min(plain ? digits : Math.max(Math.ceil(exponent - Math.log10(step) - 1e-9), 0), 12);
+  const decimals = Math.min(plain ? digits : Math.max(Math.ceil(exponent - Math.log10(step) - 1e-9), 0), 15);
   const raised = String(exponent).replace(/./g, (c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[c]));
-  return values.map((value) => {
-    if (Math.abs(value) < 1e-6 * step) return "0";
+  return (value) => {
     const text = (value / 10 ** exponent).toFixed(decimals).replace("-", "−");
     return plain ? text : `${text}·10${raised}`;
-  });
+  };
 }
 
 /** Round numbers in a range, at most so many steps: 1, 2 or 5 times a power of ten. */

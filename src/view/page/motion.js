@@ -1,15 +1,16 @@
 // ---- one scene --------------------------------------------------------------------------------------------------------
 
-const geometries = [];
-function meshGeometry(number) {
-  if (geometries[number]) return geometries[number];
+const geometries = {};
+function meshGeometry(number, space) {
+  const key = `${number}: ${space.middle}, ${space.unit}`; // scenes on the same surfaces share them
+  if (geometries[key]) return geometries[key];
   const { vertices, normals, triangles, wide, closed } = data.meshes[number];
   const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.BufferAttribute(decodePoints(vertices), 3));
+  geometry.setAttribute("position", new THREE.BufferAttribute(decodePoints(vertices, space), 3));
   geometry.setAttribute("normal", new THREE.BufferAttribute(decode(normals, Int16Array), 3, true));
   geometry.setIndex(new THREE.BufferAttribute(decode(triangles, wide ? Uint32Array : Uint16Array), 1));
   geometry.closed = closed;
-  return (geometries[number] = geometry);
+  return (geometries[key] = geometry);
 }
 
 /** Flat faces: corners counter-clockwise, of one normal and one colour each. */
@@ -91,17 +92,19 @@ function wallGeometry([corner, a, b]) {
 class Motion {
   constructor(source) {
     Object.assign(this, source);
+    this.#fromMiddle();
     this.times = decode(source.times, Float32Array);
     this.frames = this.times.length;
-    this.positions = decodePoints(source.positions);
+    this.positions = decodePoints(source.positions, this);
     this.rods = decode(source.rods, Uint32Array);
     this.last = this.frames - 1;
     this.frame = 0;
     const span = this.times[this.last] - this.times[0];
     this.pace = span / source.seconds;
-    this.digits = Math.min(Math.max(Math.ceil(-Math.log10(span / this.last) - 0.01), 0), 6);
-    this.charts = source.charts.map(({ title, curves }) => ({
+    this.written = notation(Math.max(Math.abs(this.times[0]), Math.abs(this.times[this.last])), (1.02 * span) / this.last);
+    this.charts = source.charts.map(({ title, middle, curves }) => ({
       title,
+      middle,
       curves: curves.map(({ label, values }) => ({ label, values: decode(values, Float32Array) })),
     }));
     this.#surfaces();
@@ -112,12 +115,24 @@ class Motion {
     this.paint();
   }
 
+  /** All that has a place or a length, from the middle of the scene and in its unit; axes alone tell the scene's own. */
+  #fromMiddle() {
+    const { middle, unit } = this;
+    const place = (point) => point.map((x, i) => (x - middle[i]) / unit);
+    const lengths = (list) => list.map((length) => length / unit);
+    this.periods = lengths(this.periods);
+    this.places = this.places.map(place);
+    this.discs = this.discs.map((disc) => ({ ...disc, radius: disc.radius / unit }));
+    this.walls = this.walls.map(([corner, ...sides]) => [place(corner), ...sides.map(lengths)]);
+    this.boxes = this.boxes.map((box) => ({ ...box, sides: lengths(box.sides) }));
+  }
+
   #surfaces() {
     const values = this.heat && decode(this.heat.values, Uint16Array);
     let first = 0;
     this.surfaces = this.meshes.map((number) => {
       const geometry = new THREE.BufferGeometry();
-      const shared = meshGeometry(number);
+      const shared = meshGeometry(number, this);
       Object.entries(shared.attributes).forEach(([name, attribute]) => geometry.setAttribute(name, attribute));
       geometry.setIndex(shared.index);
       if (values) {
@@ -147,7 +162,7 @@ class Motion {
       ...this.walls.map((wall) => ({ mesh: mesh(wallGeometry(wall), glass) })),
       ...this.boxes.map(({ sides, centres, turns }) => ({
         mesh: mesh(boxGeometry(sides), {}),
-        centres: decodePoints(centres),
+        centres: decodePoints(centres, this),
         turns: decode(turns, Float32Array),
         reach: Array(3).fill(0.5 * Math.hypot(...sides) + 0.3 * Math.max(...sides)),
       })),
@@ -219,7 +234,7 @@ class Motion {
     const { particles, frames } = this;
     const bodies = this.positions.length / 3;
     const place = (i) => (i < bodies ? this.positions.subarray(3 * i, 3 * i + 3) : this.places[i - bodies]);
-    const sizes = this.sizes && decode(this.sizes.values, Float32Array);
+    const sizes = this.sizes && decode(this.sizes.values, Float32Array).map((size) => size / this.unit);
     const tints = this.tints && decode(this.tints.values, Uint16Array);
     const eachFrames = Math.max(this.sizes?.each ?? 1, this.tints?.each ?? 1);
     const value = (list, each, i) => (!list ? 0 : each === eachFrames ? list[i] : list[Math.floor(i / eachFrames)]);
@@ -325,14 +340,18 @@ class Motion {
     return this.#between(this.#all(end), 3, into);
   }
 
-  /** Between the two samples of a path around the current frame; quaternions of one rotation may have either sign. */
+  /**
+   * Between the two samples of a path around the current frame: on the way to the nearest image of the next place, as
+   * the shaders go; quaternions of one rotation may have either sign.
+   */
   #between(path, width, into) {
     const whole = path.length === width ? 0 : Math.min(Math.floor(this.frame), this.last);
     const next = path.length === width ? 0 : Math.min(whole + 1, this.last);
     const [a, b] = [path.subarray(width * whole, width * (whole + 1)), path.subarray(width * next, width * (next + 1))];
     const part = this.frame - Math.floor(this.frame);
     const sign = width === 4 && a.reduce((sum, x, i) => sum + x * b[i], 0) < 0 ? -1 : 1;
-    return into.fromArray(Array.from(a, (x, i) => x + part * (sign * b[i] - x)));
+    const round = (i) => (width === 3 && this.periods[i] > 0 ? this.periods[i] * Math.round((a[i] - b[i]) / this.periods[i]) : 0);
+    return into.fromArray(Array.from(a, (x, i) => x + part * (sign * b[i] + round(i) - x)));
   }
 
   /** Time goes on by `seconds` of the spectator's; after the end it starts again. */

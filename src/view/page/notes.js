@@ -104,7 +104,7 @@ class Notes {
    */
   #axes(motion, camera) {
     const { pen } = this;
-    const [low, high] = motion.corners;
+    const { corners: [low, high], middle: from, unit } = motion;
     const corner = (bits) => this.seen(point.set(...[0, 1, 2].map((i) => (bits >> i & 1 ? high[i] : low[i]))), camera);
     const corners = Array.from({ length: 8 }, (_, bits) => corner(bits));
     const middle = [0, 1].map((k) => corners.reduce((sum, place) => sum + place[k], 0) / 8);
@@ -136,8 +136,10 @@ class Notes {
       this.#line(a, b);
       pen.textAlign = out[0] > 0.35 ? "left" : out[0] < -0.35 ? "right" : "center";
       let wide = 0;
-      for (const { value, label } of ticks(low[axis], high[axis], Math.min(Math.max(length / 55, 1), 6))) {
-        const place = [0, 1, 2].map((i) => (i === axis ? value : bits >> i & 1 ? high[i] : low[i]));
+      const [first, last] = [low, high].map((end) => from[axis] + unit * end[axis]);
+      for (const { value, label } of ticks(first, last, Math.min(Math.max(length / 55, 1), 6))) {
+        const along = (value - from[axis]) / unit;
+        const place = [0, 1, 2].map((i) => (i === axis ? along : bits >> i & 1 ? high[i] : low[i]));
         const at = this.seen(point.set(...place), camera);
         this.#line(at, beside(at, 4));
         pen.fillText(label, ...beside(at, 10));

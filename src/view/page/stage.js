@@ -110,10 +110,10 @@ function start() {
   );
 
   function report() {
-    const { frame, digits, last } = motion();
+    const { frame, last } = motion();
     const whole = Math.floor(frame);
     if (Number(slider.value) !== whole) slider.value = whole;
-    const time = `t = ${motion().time().toFixed(digits)}`;
+    const time = `t = ${motion().written(motion().time())}`;
     if (slider.getAttribute("aria-valuetext") !== time) {
       slider.setAttribute("aria-valuetext", time);
       clock.innerHTML = `${time} <small>${whole} / ${last}</small>`;
