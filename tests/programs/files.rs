@@ -8,6 +8,8 @@ mod checkpoints;
 mod common;
 #[path = "../data.rs"]
 mod data;
+#[path = "../other_runs.rs"]
+mod other_runs;
 #[path = "../page.rs"]
 mod page;
 #[path = "../plot.rs"]

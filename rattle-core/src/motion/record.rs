@@ -6,10 +6,12 @@
 
 use crate::error::{Error, RecordMistake};
 
-/// Numbers that differ by more than this part of the largest beside them come from another scene. On one machine they
-/// are the same; the libraries of two differ by some roundings, which a difference near a constraint makes 10³ times as
-/// large.
+/// Numbers that differ by more than this part of their size come from another scene. On one machine they are the same;
+/// the libraries of two differ by some roundings, which a difference near a constraint makes 10³ times as large. Where
+/// terms cancel they make it larger, as far as roundings of places do: see [`Hallmark::allow`].
 const SAME: f64 = 1e-10;
+/// So many times what roundings of places make of a number is allowed.
+const ALLOWED: f64 = 16.0;
 /// What stands in files in the place of the name of a type, for parts that have none. No message shows it.
 const NAMELESS: [&str; 3] = ["a list", "a function", "a surface"];
 
@@ -266,11 +268,14 @@ impl<'a> Reading<'a> {
     /// # Errors
     /// [`RecordMistake::Another`] names the first that differs.
     pub fn same(&mut self, here: &[Hallmark]) -> Result<(), Error> {
-        for mark @ Hallmark { part, name, numbers, apart } in here {
+        for mark @ Hallmark { part, name, numbers, sizes, is_later } in here {
             let another = |file: String, here: String| {
                 Err(Error::Record(RecordMistake::Another { part: part.clone(), file, here }))
             };
             let Ok(its_name) = self.text(&format!("{part} is")) else {
+                if *is_later {
+                    continue;
+                }
                 let next = self.rest.first().map_or("none", |field| &field.name);
                 return another(format!("one that has none (`{next}` comes next)"), name.clone());
             };
@@ -281,7 +286,7 @@ impl<'a> Reading<'a> {
                 return another(format!("{name} without numbers"), name.clone());
             };
             self.rest = rest;
-            if let Some(i) = first_other(its, numbers, *apart) {
+            if let Some(i) = first_other(its, numbers, sizes) {
                 return another(mark.told(its, i), mark.told(numbers, i));
             }
         }
@@ -314,26 +319,64 @@ pub struct Hallmark {
     pub name: String,
     /// Its parameters, or its values at and near the positions in the record.
     pub numbers: Vec<f64>,
-    /// Whether each number is compared by its own size, as parameters are, and not by that of the largest, beside which
-    /// the others of a vector may be roundings.
-    pub apart: bool,
+    /// By which size each of them is compared, if its own is not larger: that of the largest of a vector, beside which
+    /// the others may be roundings, or of what is lost where terms cancel.
+    pub sizes: Vec<f64>,
+    /// Whether records of before lack it, and are read all the same.
+    pub is_later: bool,
 }
 
 impl Hallmark {
-    /// The hallmark of this part by values of its functions.
+    /// The hallmark of this part by values of its functions, compared by the size of the largest.
     pub fn new(part: impl Into<String>, name: impl Into<String>, numbers: Vec<f64>) -> Self {
-        Self { part: part.into(), name: name.into(), numbers, apart: false }
+        Self::of_vectors(part, name, &[&numbers])
     }
 
-    /// The hallmark of this part by its parameters.
+    /// The hallmark of this part by vectors, each of which is compared by the size of its own largest number.
+    pub fn of_vectors(part: impl Into<String>, name: impl Into<String>, vectors: &[&[f64]]) -> Self {
+        let sizes = vectors.iter().flat_map(|vector| {
+            let finite = vector.iter().filter(|x| x.is_finite());
+            let largest = finite.fold(0.0_f64, |most, x| most.max(x.abs()));
+            vector.iter().map(move |_| largest)
+        });
+        let (sizes, numbers) = (sizes.collect(), vectors.concat());
+        Self { part: part.into(), name: name.into(), numbers, sizes, is_later: false }
+    }
+
+    /// The hallmark of this part by its parameters, or by other numbers that are compared by the size of each.
     pub fn of_parameters(part: impl Into<String>, name: impl Into<String>, numbers: Vec<f64>) -> Self {
-        Self { apart: true, ..Self::new(part, name, numbers) }
+        let sizes = vec![0.0; numbers.len()];
+        Self { part: part.into(), name: name.into(), numbers, sizes, is_later: false }
+    }
+
+    /// The same, of which records of before do not tell.
+    #[must_use]
+    pub fn later(self) -> Self {
+        Self { is_later: true, ..self }
+    }
+
+    /// Adds the numbers of another one, of the same part of another trajectory.
+    pub fn extend(&mut self, other: Self) {
+        self.numbers.extend(other.numbers);
+        self.sizes.extend(other.sizes);
+    }
+
+    /// Allows some times the difference from what it is at places that are rounded otherwise. Where forces cancel,
+    /// roundings are all that is left of them.
+    pub fn allow(&mut self, rounded: &Self) {
+        for ((size, x), y) in self.sizes.iter_mut().zip(&self.numbers).zip(&rounded.numbers) {
+            let lost = ALLOWED * (x - y).abs() / SAME;
+            if lost.is_finite() {
+                *size = size.max(lost);
+            }
+        }
     }
 
     /// What a message says of it if this one of its numbers is another.
     fn told(&self, numbers: &[f64], i: usize) -> String {
         let Self { part, name, .. } = self;
         match numbers.get(i) {
+            Some(x) if NAMELESS.contains(&&**name) && self.is_later => format!("one with {part} of {x:?}"),
             Some(x) if NAMELESS.contains(&&**name) => format!("one with {part} of {x:?} near its places"),
             Some(x) => format!("{name} with {x:?}"),
             None => format!("{name} of {} numbers", numbers.len()),
@@ -347,15 +390,16 @@ impl Hallmark {
     }
 }
 
-/// The first number that is not the same but for rounding, of itself or of the largest; of lists of different lengths
-/// the first that is missing.
-fn first_other(a: &[f64], b: &[f64], apart: bool) -> Option<usize> {
-    let finite = a.iter().chain(b).filter(|x| x.is_finite());
-    let largest = finite.fold(0.0_f64, |most, x| most.max(x.abs()));
-    let size = |a: f64, b: f64| if apart { a.abs().max(b.abs()) } else { largest };
-    let near = |a: f64, b: f64| (a - b).is_finite() && (a - b).abs() <= SAME * size(a, b);
-    let same = |(&a, &b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan()) || near(a, b);
-    let other = a.iter().zip(b).position(|pair| !same(pair));
+/// The first number that is not the same but for rounding, of itself or of this size; of lists of different lengths the
+/// first that is missing.
+fn first_other(a: &[f64], b: &[f64], sizes: &[f64]) -> Option<usize> {
+    let near = |a: f64, b: f64, size: f64| {
+        let size = size.max(a.abs()).max(b.abs());
+        (a - b).is_finite() && (a - b).abs() <= SAME * size
+    };
+    let same =
+        |((&a, &b), &size): ((&f64, &f64), &f64)| a == b || (a.is_nan() && b.is_nan()) || near(a, b, size);
+    let other = a.iter().zip(b).zip(sizes).position(|pair| !same(pair));
     other.or((a.len() != b.len()).then(|| a.len().min(b.len())))
 }
 
@@ -400,13 +444,27 @@ mod tests {
 
     #[test]
     fn numbers_that_are_none_are_the_same() {
-        for apart in [false, true] {
-            assert_eq!(first_other(&[f64::NAN, 1.0], &[f64::NAN, 1.0], apart), None);
-            assert_eq!(first_other(&[f64::INFINITY, 1.0], &[f64::INFINITY, 2.0], apart), Some(1));
-            assert_eq!(first_other(&[1.0], &[f64::NAN], apart), Some(0));
+        let vector = |a: &[f64], b: &[f64]| first_other(a, b, &Hallmark::new("", "", b.into()).sizes);
+        let apart =
+            |a: &[f64], b: &[f64]| first_other(a, b, &Hallmark::of_parameters("", "", b.into()).sizes);
+        for other in [&vector as &dyn Fn(&[f64], &[f64]) -> Option<usize>, &apart] {
+            assert_eq!(other(&[f64::NAN, 1.0], &[f64::NAN, 1.0]), None);
+            assert_eq!(other(&[f64::INFINITY, 1.0], &[f64::INFINITY, 2.0]), Some(1));
+            assert_eq!(other(&[1.0], &[f64::NAN]), Some(0));
+            assert_eq!(other(&[f64::INFINITY], &[1.0]), Some(0));
+            assert_eq!(other(&[1.0, 2.0], &[1.0]), Some(1));
         }
-        assert_eq!(first_other(&[f64::INFINITY], &[1.0], true), Some(0));
-        assert_eq!(first_other(&[1e9, 1.0], &[1e9, 1.01], false), None);
-        assert_eq!(first_other(&[1e9, 1.0], &[1e9, 1.01], true), Some(1));
+        assert_eq!(vector(&[1e9, 1.0], &[1e9, 1.01]), None);
+        assert_eq!(apart(&[1e9, 1.0], &[1e9, 1.01]), Some(1));
+    }
+
+    #[test]
+    fn what_roundings_of_places_make_is_allowed() {
+        let mut force = Hallmark::of_vectors("", "", &[&[1e-17, 0.0], &[1.0, 0.0]]);
+        let told = |force: &Hallmark| first_other(&[-2e-17, 0.0, 1.0, 0.0], &force.numbers, &force.sizes);
+        assert_eq!(told(&force), Some(0));
+        force.allow(&Hallmark { numbers: vec![1.2e-17, 0.0, f64::NAN, f64::INFINITY], ..force.clone() });
+        assert_eq!(told(&force), None);
+        assert_eq!(first_other(&[1e-17, 0.0, 1.0 + 1e-9, 0.0], &force.numbers, &force.sizes), Some(2));
     }
 }

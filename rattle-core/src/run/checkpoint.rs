@@ -30,7 +30,7 @@ use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
 use crate::run::boxed::BoxedSimulation;
 use crate::run::ensemble::{Ensemble, STRETCH};
-use crate::run::fingerprint::{of_method, of_options, of_system};
+use crate::run::fingerprint::{Looks, allowing, of_method, of_options, of_system};
 use crate::run::simulation::Simulation;
 
 /// A run that can be stopped and continued: a simulation of any type, or an ensemble.
@@ -136,7 +136,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let bodies = &self.bodies;
         write_places(to, bodies.lists(), bodies.time);
         to.within("run", |to| {
-            for mark in self.hallmarks(&bodies.all(), bodies.time) {
+            for mark in self.hallmarks(&Looks::of(&bodies.all()), bodies.time) {
                 mark.write(to);
             }
         });
@@ -158,7 +158,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// The same simulation where another was.
     pub(in crate::run) fn recalled(&self, from: &mut Reading<'_>) -> Result<Self, Error> {
         let (places, time) = read_places(from, self.bodies())?;
-        from.within("run", |from| from.same(&self.hallmarks(&places, time)))?;
+        let looks = Looks::of(&places);
+        let marks = allowing(self.hallmarks(&looks, time), &self.hallmarks(&looks.rounded(), time));
+        from.within("run", |from| from.same(&marks))?;
         let mut again = self.clone();
         let Account { steps, clock, work, start_energy, events, first, number } = Account::read(from)?;
         (again.steps, again.clock, again.start_energy, again.number) = (steps, clock, start_energy, number);
@@ -198,9 +200,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// What tells this run from another.
-    fn hallmarks(&self, places: &[Body<f64, D>], time: f64) -> Vec<Hallmark> {
+    fn hallmarks(&self, looks: &Looks<D>, time: f64) -> Vec<Hallmark> {
         let mut marks = vec![of_method(&self.method), of_options(&self.options())];
-        marks.extend(of_system(&self.system, places, time));
+        marks.extend(of_system(&self.system, looks, time));
         marks
     }
 }

@@ -2,18 +2,22 @@
 //!
 //! The code of an expression cannot be compared at run time, but its values can. Masses, constraints, energies and each
 //! effect alone are evaluated at positions that differ from those of the record by pseudo-random steps of a thousandth
-//! or two, so that g is not zero there, and somewhat later, so that what changes with time counts at time 0 as well. So
-//! parameters, expressions, masses, pins and the order of effects all count where they show in such values. What such
-//! values need not show is compared by itself: parameters of methods, contacts and
+//! or two, so that g is not zero there, and somewhat later, so that what changes with time counts at time 0 as well;
+//! and at the positions themselves, since a thousandth of the way from the origin may be far from all that acts there.
+//! So parameters, expressions, masses, pins and the order of effects all count where they show in such values. What
+//! such values need not show is compared by itself: parameters of methods, contacts and
 //! [flows](crate::effect::Flow::parameters). Bodies on which an effect does not act there, as those out of each other's
 //! reach, are drawn together until it does. What is still zero then, as a field that is elsewhere, does not count.
+//!
+//! The velocity of each body, each equation and the force on each body is compared by its own size, or by what
+//! [roundings](Looks::rounded) of the positions make of it.
 
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::motion::bodies::Body;
 use crate::motion::method::{Method, Stage};
-use crate::motion::parts::Given;
+use crate::motion::parts::{BodiesOf, Given};
 use crate::motion::record::{Hallmark, short_name};
 use crate::motion::system::System;
 use crate::number::real::Real;
@@ -22,6 +26,9 @@ use std::array::from_fn;
 
 /// It is looked beside a place by so much of a [size]; and after a time by so much of it, or of 1.
 pub(in crate::run) const BESIDE: f64 = 1e-3;
+
+/// Places and momenta are rounded otherwise by so much of their size: some roundings of a double.
+const ROUNDED: f64 = 1.4e-14;
 
 /// Pairs of bodies on which an effect does not act are brought half as far from each other so many times.
 const HALVINGS: i32 = 20;
@@ -58,6 +65,62 @@ pub(in crate::run) fn beside<const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Bod
     bodies.iter().map(&mut moved).collect()
 }
 
+/// Where a system is asked: beside its places, and at them.
+pub(in crate::run) struct Looks<const D: usize> {
+    near: Vec<Body<f64, D>>,
+    at: Vec<Body<f64, D>>,
+}
+
+impl<const D: usize> Looks<D> {
+    /// Of these bodies.
+    pub(in crate::run) fn of(bodies: &[Body<f64, D>]) -> Self {
+        Self { near: beside(bodies), at: bodies.to_vec() }
+    }
+
+    /// Of bodies in lanes, without their momenta: these run ahead there by a kick, so that another force would be told
+    /// as other masses.
+    pub(in crate::run) fn in_lanes(mut bodies: Vec<Body<f64, D>>) -> Self {
+        let zero = [0.0; D];
+        bodies.iter_mut().for_each(|body| (body.p, body.p_low) = (zero, zero));
+        Self::of(&bodies)
+    }
+
+    /// The same but for some roundings. What these make of a number is what other machines may.
+    pub(in crate::run) fn rounded(&self) -> Self {
+        Self { near: rounded(&self.near), at: rounded(&self.at) }
+    }
+
+    /// The position of the first body beside its place, and there.
+    pub(in crate::run) fn first(&self) -> [[f64; D]; 2] {
+        [self.near[0].q, self.at[0].q]
+    }
+}
+
+/// The same places and momenta but for some roundings.
+#[inline(never)]
+pub(in crate::run) fn rounded<const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Body<f64, D>> {
+    let places = ROUNDED * size(bodies.iter().flat_map(|body| &body.q));
+    let momenta = ROUNDED * size(bodies.iter().flat_map(|body| &body.p));
+    let mut number = 0_u32;
+    let mut aside = |x: f64, step: f64| {
+        number += 1;
+        let part = (f64::from(number) * 0.618_033_988_749_894_9).fract() - 0.5;
+        x + step * (part + 0.5_f64.copysign(part)) // in no direction none
+    };
+    let mut moved = |body: &Body<f64, D>| Body {
+        q: body.q.map(|q| aside(q, places)),
+        p: body.p.map(|p| aside(p, momenta)),
+        ..*body
+    };
+    bodies.iter().map(&mut moved).collect()
+}
+
+/// These marks, where as much is allowed as the same ones at rounded places tell.
+pub(in crate::run) fn allowing(mut marks: Vec<Hallmark>, at_rounded: &[Hallmark]) -> Vec<Hallmark> {
+    marks.iter_mut().zip(at_rounded).for_each(|(mark, rounded)| mark.allow(rounded));
+    marks
+}
+
 /// The places of bodies, with the second one of each two at this part of its way from the first.
 fn drawn_together<const D: usize>(bodies: &[Body<f64, D>], part: f64) -> Vec<[f64; D]> {
     let mut places: Vec<_> = bodies.iter().map(|body| body.q).collect();
@@ -67,16 +130,15 @@ fn drawn_together<const D: usize>(bodies: &[Body<f64, D>], part: f64) -> Vec<[f6
     places
 }
 
-/// The parts of a system, asked beside these bodies at this time.
+/// The parts of a system, asked there at this time.
 pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     system: &Y,
-    places: &[Body<f64, D>],
+    Looks { near, at }: &Looks<D>,
     time: f64,
 ) -> Vec<Hallmark> {
-    let n = places.len();
+    let n = near.len();
     let later = time + BESIDE * time.abs().max(1.0);
-    let near = beside(places);
-    let mut bodies = system.bodies(&near, later);
+    let mut bodies = system.bodies(near, later);
     let equations = system.equations();
     let sizes = vec![n as f64, D as f64, equations as f64, Y::EFFECTS as f64, Y::FLOWS as f64];
     let mut marks = vec![Hallmark::new("system", system.kind(), sizes)];
@@ -85,13 +147,10 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
         velocities[body] = system.velocity(&bodies, body);
         pinned[body] = f64::from(u8::from(system.inertia().is_pinned(body)));
     }
-    marks.push(Hallmark::new("masses", "a list", [velocities.as_flattened(), &pinned].concat()));
+    let masses: Vec<_> = velocities.iter().map(|v| &v[..]).chain([&pinned[..]]).collect();
+    marks.push(Hallmark::of_vectors("masses", "a list", &masses));
     marks.push(Hallmark::new("kinetic energy", "a function", vec![system.kinetic_energy(&bodies)]));
-    let mut of_equations = vec![0.0; 2 * equations];
-    let (g, rates) = of_equations.split_at_mut(equations);
-    system.residuals(&bodies, g);
-    system.drift_rates(&bodies, rates);
-    marks.push(Hallmark::new("constraints", "a list", of_equations));
+    marks.push(of_equations(system, &bodies));
     for number in 0..Y::EFFECTS {
         let mut forces = vec![[0.0; D]; n];
         let name = system.add_force_alone(number, &mut bodies, &mut forces);
@@ -100,7 +159,7 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
         if n > 1 && name.is_some() && !acts(&forces) {
             let mut room = system.effects().room(n);
             for halvings in 1..=HALVINGS {
-                let positions = &drawn_together(&near, 0.5_f64.powi(halvings))[..];
+                let positions = &drawn_together(near, 0.5_f64.powi(halvings))[..];
                 let at = Moment { time: later, positions };
                 system.effects().contribute_alone(number, at, &mut room, &mut forces);
                 if acts(&forces) {
@@ -108,10 +167,10 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
                 }
             }
         }
-        marks.push(of_effect(number, name, forces.as_flattened().to_vec()));
+        marks.push(of_effect(number, name, &forces));
     }
     marks.push(Hallmark::new("potential energy", "a function", vec![system.potential_energy(&bodies)]));
-    let momenta = Body::momenta(places);
+    let momenta = Body::momenta(at);
     if Y::REMEMBERS {
         bodies.marks = system.first_marks(&bodies).unwrap_or_default();
     }
@@ -127,7 +186,43 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
         marks.push(Hallmark::new(format!("flow {number}"), name, changes.as_flattened().to_vec()));
     }
     marks.extend((0..Y::FLOWS).filter_map(|number| of_flow(number, system.effects())));
+    marks.extend(at_places(system, near, at, later));
     marks
+}
+
+/// The equations of a system: g and its rates.
+fn of_equations<Y: System<f64, D>, const D: usize>(system: &Y, bodies: &BodiesOf<Y, f64, D>) -> Hallmark {
+    let mut numbers = vec![0.0; 2 * system.equations()];
+    let (g, rates) = numbers.split_at_mut(system.equations());
+    system.residuals(bodies, g);
+    system.drift_rates(bodies, rates);
+    Hallmark::of_parameters("constraints", "a list", numbers)
+}
+
+/// Constraints, energies and forces at the places themselves, with momenta beside those of the bodies.
+fn at_places<Y: System<f64, D>, const D: usize>(
+    system: &Y,
+    near: &[Body<f64, D>],
+    at: &[Body<f64, D>],
+    time: f64,
+) -> Vec<Hallmark> {
+    let there: Vec<_> = near.iter().zip(at).map(|(near, at)| Body { q: at.q, ..*near }).collect();
+    let mut bodies = system.bodies(&there, time);
+    let mut energies = vec![system.kinetic_energy(&bodies)];
+    system.effect_energies(&bodies, &mut energies);
+    let mut marks = vec![of_equations(system, &bodies)];
+    for number in 0..Y::EFFECTS {
+        let mut forces = vec![[0.0; D]; at.len()];
+        let name = system.add_force_alone(number, &mut bodies, &mut forces);
+        marks.extend(name.map(|name| of_effect(number, Some(name), &forces)));
+    }
+    marks.push(Hallmark::of_parameters("energies", "a list", energies));
+    marks.into_iter().map(told_at_places).collect()
+}
+
+/// The same of the places themselves.
+pub(in crate::run) fn told_at_places(mark: Hallmark) -> Hallmark {
+    Hallmark { part: format!("{} at its places", mark.part), ..mark }.later()
 }
 
 /// The parameters of a flow that its changes of momenta need not show, if it names some.
@@ -140,15 +235,12 @@ pub(in crate::run) fn of_flow<T: Real, const D: usize>(
     (!parameters.is_empty()).then(|| Hallmark::of_parameters(part, name, parameters))
 }
 
-/// As [`of_system`], of a lane. Momenta are left out: in lanes they run ahead by a kick, so that another force would be
-/// told as other masses. In phase space H decides what velocities are, and comes before them.
+/// As [`of_system`], of a lane. In phase space H decides what velocities are, and comes before them.
 pub(in crate::run) fn of_lane<Y: System<f64, D>, const D: usize>(
     system: &Y,
-    places: &[Body<f64, D>],
+    looks: &Looks<D>,
 ) -> Vec<Hallmark> {
-    let zero = [0.0; D];
-    let places = places.iter().map(|body| Body { p: zero, p_low: zero, ..*body }).collect::<Vec<_>>();
-    let mut marks = of_system(system, &places, 0.0);
+    let mut marks = of_system(system, looks, 0.0);
     if system.rates().is_err() {
         let masses = marks.remove(1);
         marks.insert(2, masses);
@@ -157,8 +249,13 @@ pub(in crate::run) fn of_lane<Y: System<f64, D>, const D: usize>(
 }
 
 /// An effect of which the type has this name, and what it gives alone.
-pub(in crate::run) fn of_effect(number: usize, name: Option<&str>, forces: Vec<f64>) -> Hallmark {
-    Hallmark::new(format!("effect {number}"), short_name(name.unwrap_or("no potential")), forces)
+pub(in crate::run) fn of_effect<const D: usize>(
+    number: usize,
+    name: Option<&str>,
+    forces: &[[f64; D]],
+) -> Hallmark {
+    let (part, name) = (format!("effect {number}"), short_name(name.unwrap_or("no potential")));
+    Hallmark::of_vectors(part, name, &forces.iter().map(|force| &force[..]).collect::<Vec<_>>())
 }
 
 /// What was asked for beside scene and method, each with a number.

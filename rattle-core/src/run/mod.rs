@@ -25,5 +25,6 @@ pub(crate) fn instances<const D: usize>() -> impl Copy {
         checkpoint::write_places::<D> as *const (),
         events::Search::<D>::clone as *const (),
         fingerprint::beside::<D> as *const (),
+        fingerprint::rounded::<D> as *const (),
     ]
 }

@@ -5,14 +5,13 @@ use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
-use crate::motion::bodies::Body;
 use crate::motion::record::Hallmark;
 use crate::number::instructions::Work;
 use crate::number::lanes::Lane;
 use crate::number::vector::{dot, scaled, sum};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::laws::Laws;
-use crate::run::fingerprint::{BESIDE, beside, of_effect};
+use crate::run::fingerprint::{BESIDE, Looks, of_effect, told_at_places};
 use crate::run::watch::sight::Sight;
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
 use nalgebra::SVector;
@@ -42,25 +41,37 @@ pub(super) fn forces<S: Lane, X: Laws<S, D>, const D: usize>(laws: &X) -> Vec<&'
     names
 }
 
-/// What tells what a lane obeys from other laws, asked beside this body and the time 0.
-pub(super) fn hallmarks<S: Lane, X: Laws<S, D>, const D: usize>(
+/// What tells what a lane obeys from other laws, asked there and beside the time 0; momenta are what laws make of them.
+pub(super) fn hallmarks<S: Lane, X: Laws<S, D>, const D: usize, const SUMS: usize>(
     laws: &X,
     lane: usize,
-    body: &Body<f64, D>,
+    looks: &Looks<D>,
 ) -> Vec<Hallmark> {
     let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
-    let place = Body { p: [0.0; D], ..*body }; // momenta are what laws make of them
-    let (effects, q) = (effects.borrow(), beside(&[place])[0].q.map(S::from_f64));
-    let ([g], [gradient]) = constraint.borrow().value_and_jacobian(&q);
-    let constraints = [numbers(&[g]), numbers(&gradient)].concat();
-    let mut marks = vec![Hallmark::new("constraints", "a surface", constraints)];
-    let (at, mut room) = (Moment { time: BESIDE, positions: &[q] }, effects.room(1));
-    for number in 0..X::Forces::EFFECTS {
-        let mut force = [[S::default(); D]];
-        let name = effects.contribute_alone(number, at, &mut room, &mut force);
-        marks.push(of_effect(number, name, numbers(force.as_flattened())));
-    }
-    marks.push(Hallmark::new("potential energy", "a function", numbers(&[effects.energy(at)])));
+    let effects = effects.borrow();
+    let of = |q: [f64; D]| {
+        let q = q.map(S::from_f64);
+        let ([g], [gradient]) = constraint.borrow().value_and_jacobian(&q);
+        let constraints = [&numbers(&[g])[..], &numbers(&gradient)];
+        let mut marks = vec![Hallmark::of_vectors("constraints", "a surface", &constraints)];
+        let (at, mut room) = (Moment { time: BESIDE, positions: &[q] }, effects.room(1));
+        for number in 0..X::Forces::EFFECTS {
+            let mut force = [[S::default(); D]];
+            let name = effects.contribute_alone(number, at, &mut room, &mut force);
+            marks.push(of_effect(number, name, &force.map(|force| force.map(|x| x.to_f64()))));
+        }
+        marks.push(Hallmark::new("potential energy", "a function", numbers(&[effects.energy(at)])));
+        marks
+    };
+    let precision = match (S::from_f64(1.0 + f64::EPSILON).to_f64() == 1.0, SUMS) {
+        (true, _) => "single precision",
+        (false, 0) => "double precision",
+        (false, _) => "compensated sums",
+    };
+    let mut marks = vec![Hallmark::of_parameters("precision", precision, Vec::new()).later()];
+    let [near, at] = looks.first().map(of);
+    marks.extend(near);
+    marks.extend(at.into_iter().map(told_at_places));
     marks
 }
 

@@ -23,6 +23,7 @@ use crate::run::ensemble::lane_record::InRows;
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::row::{End, LOOKING, Row, Scratch, Tableau};
 use crate::run::ensemble::stages::advance;
+use crate::run::fingerprint::Looks;
 use crate::solve::crowd::{Asked, EVERY};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use std::any::Any;
@@ -136,8 +137,8 @@ where
         Ok(Box::new(Self { row: Row::new().recalled(from)?, ..self.clone() }))
     }
 
-    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        hallmarks(&self.laws, lane, &bodies[0])
+    fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark> {
+        hallmarks::<S, X, D, SUMS>(&self.laws, lane, looks)
     }
 
     fn method(&self) -> Hallmark {

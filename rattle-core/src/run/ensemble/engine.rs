@@ -6,6 +6,7 @@ use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::number::clock::later;
+use crate::run::fingerprint::Looks;
 use crate::run::watch::seen::Page;
 use crate::run::watch::sight::Source;
 use std::any::Any;
@@ -154,8 +155,8 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
     /// # Errors
     /// [`Error::Record`] where other lanes were written.
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error>;
-    /// What tells what a lane obeys from other laws, asked beside these bodies.
-    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark>;
+    /// What tells what a lane obeys from other laws, asked there.
+    fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark>;
     /// What tells the method from others.
     fn method(&self) -> Hallmark;
 }

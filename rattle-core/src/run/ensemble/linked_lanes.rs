@@ -24,7 +24,7 @@ use crate::run::ensemble::linked_stirring::RowStirring;
 use crate::run::ensemble::renewed_lanes;
 use crate::run::ensemble::splitting_lanes::{Splits, StirredAlone, by_itself};
 use crate::run::ensemble::stirred::LARGER;
-use crate::run::fingerprint::of_lane;
+use crate::run::fingerprint::{Looks, of_lane};
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
 use crate::systems::network::in_lanes::{Numbers, zeros};
@@ -458,8 +458,8 @@ where
         Ok(Box::new(again))
     }
 
-    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        of_lane(self.system(lane), bodies)
+    fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark> {
+        of_lane(self.system(lane), looks)
     }
 
     fn method(&self) -> Hallmark {

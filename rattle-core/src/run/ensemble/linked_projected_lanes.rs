@@ -23,7 +23,7 @@ use crate::run::ensemble::linked_plan::LinkedPlan;
 use crate::run::ensemble::linked_projected::{Desk, ProjectedSteps};
 use crate::run::ensemble::linked_projected_row::{Kept, Landed};
 use crate::run::ensemble::linked_row::{Course, LinkedRow};
-use crate::run::fingerprint::of_lane;
+use crate::run::fingerprint::{Looks, of_lane};
 use crate::solve::crowd::Asked;
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
@@ -235,8 +235,8 @@ where
         Ok(Box::new(again))
     }
 
-    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        of_lane(self.system(lane), bodies)
+    fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark> {
+        of_lane(self.system(lane), looks)
     }
 
     fn method(&self) -> Hallmark {

@@ -14,7 +14,7 @@ use crate::run::ensemble::lane_record::InRows;
 use crate::run::ensemble::phase_row::{Laws, ROW, Row, Swept};
 use crate::run::ensemble::phase_step::{Scratch, step};
 use crate::run::ensemble::splitting_lanes::{by_itself, hallmark};
-use crate::run::fingerprint::of_lane;
+use crate::run::fingerprint::{Looks, of_lane};
 use crate::solve::aim::Pace;
 use crate::systems::phase::InPhaseSpace;
 use std::any::Any;
@@ -173,8 +173,8 @@ where
         Ok(Box::new(Self { bodies, pace, ..self.clone() }))
     }
 
-    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        of_lane(self.system(lane), bodies)
+    fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark> {
+        of_lane(self.system(lane), looks)
     }
 
     fn method(&self) -> Hallmark {

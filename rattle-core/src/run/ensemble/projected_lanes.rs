@@ -19,6 +19,7 @@ use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::projected::{Projects, advance};
 use crate::run::ensemble::projected_row::{Row, Scratch};
 use crate::run::ensemble::row::LOOKING;
+use crate::run::fingerprint::Looks;
 use crate::solve::crowd::{Asked, EVERY};
 use std::any::Any;
 use std::hint::black_box;
@@ -157,8 +158,8 @@ where
         Ok(Box::new(Self { row: Row::new().recalled(from)?, ..self.clone() }))
     }
 
-    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        hallmarks(&self.laws, lane, &bodies[0])
+    fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark> {
+        hallmarks::<S, X, D, SUMS>(&self.laws, lane, looks)
     }
 
     fn method(&self) -> Hallmark {

@@ -27,6 +27,7 @@ use crate::run::ensemble::rhythm::{InRhythm, Rhythm, When};
 use crate::run::ensemble::splitting_lanes::{in_lanes, of_a_kink_ahead, of_renewal, out_of_lanes};
 use crate::run::ensemble::stirred::{LARGER, lead};
 use crate::run::ensemble::stirring::DEVIATIONS;
+use crate::run::fingerprint::Looks;
 use crate::solve::crowd::EVERY;
 use std::any::Any;
 use std::hint::black_box;
@@ -152,8 +153,8 @@ where
         Ok(Box::new(Self { block, limits, ..self.clone() }))
     }
 
-    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        hallmarks(&self.laws, lane, &bodies[0])
+    fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark> {
+        hallmarks::<S, X, D, SUMS>(&self.laws, lane, looks)
     }
 
     fn method(&self) -> Hallmark {

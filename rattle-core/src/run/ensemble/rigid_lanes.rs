@@ -18,7 +18,7 @@ use crate::run::ensemble::rigid_law::RigidLaws;
 use crate::run::ensemble::rigid_row::{Course, RigidRow, Rotor, Steps, Three, Weights, push};
 use crate::run::ensemble::rigid_stirring::{Question, RotorStirring, StirredSteps, answer};
 use crate::run::ensemble::splitting_lanes::{Splits, StirredAlone, by_itself};
-use crate::run::fingerprint::of_lane;
+use crate::run::fingerprint::{Looks, of_lane};
 use crate::systems::network::in_lanes::{at, put, zeros};
 use std::any::Any;
 use std::array::from_fn;
@@ -304,8 +304,8 @@ where
         Ok(Box::new(again))
     }
 
-    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        of_lane(self.system(lane), bodies)
+    fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark> {
+        of_lane(self.system(lane), looks)
     }
 
     fn method(&self) -> Hallmark {

@@ -22,7 +22,7 @@ use crate::run::ensemble::rigid_going::project;
 use crate::run::ensemble::rigid_law::RigidLaws;
 use crate::run::ensemble::rigid_projected::{COORDINATES, Desk, ProjectedSteps, ROW};
 use crate::run::ensemble::rigid_row::{Nine, RigidRow};
-use crate::run::fingerprint::of_lane;
+use crate::run::fingerprint::{Looks, of_lane};
 use crate::systems::network::in_lanes::{Numbers, zeros};
 use std::any::Any;
 use std::array::from_fn;
@@ -204,8 +204,8 @@ impl<Y: System<f64, D>, const D: usize> Engine<D> for RigidProjected<Y, D> {
         Ok(Box::new(again))
     }
 
-    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        of_lane(self.system(lane), bodies)
+    fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark> {
+        of_lane(self.system(lane), looks)
     }
 
     fn method(&self) -> Hallmark {

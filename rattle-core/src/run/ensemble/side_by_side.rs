@@ -11,6 +11,7 @@ use crate::run::bill::{Bill, Item, time};
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour, Written};
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
+use crate::run::fingerprint::{Looks, allowing};
 use crate::run::simulation::MOST_HALVINGS;
 use crate::run::watch::seen::Page;
 use crate::run::watch::sight::Source;
@@ -323,15 +324,17 @@ impl<const D: usize> SideBySide<D> {
         self.ended(lane).map_or(self.steps, |ended| ended.steps)
     }
 
-    /// What tells this group from another, of the lanes that no other stands in for.
-    fn hallmarks(&self) -> Vec<Hallmark> {
+    /// What tells this group from another, of the lanes that no other stands in for; asked where they are, or at
+    /// places that are rounded otherwise.
+    fn hallmarks(&self, rounded: bool) -> Vec<Hallmark> {
         let mut marks: Vec<Hallmark> = Vec::new();
         for lane in (0..self.engine.width()).filter(|&lane| self.moving[lane] && self.copy_of[lane] == lane) {
-            let own = self.engine.hallmarks(lane, &self.bodies_in(lane));
+            let looks = Looks::in_lanes(self.bodies_in(lane));
+            let own = self.engine.hallmarks(lane, &if rounded { looks.rounded() } else { looks });
             if marks.is_empty() {
                 marks = own;
             } else {
-                marks.iter_mut().zip(own).for_each(|(all, own)| all.numbers.extend(own.numbers));
+                marks.iter_mut().zip(own).for_each(|(all, own)| all.extend(own));
             }
         }
         // First: what flows do, and where lanes are, is of its steps.
@@ -463,7 +466,7 @@ impl<const D: usize> Group<D> for SideBySide<D> {
             to.text("failure", &ended.failure.to_string());
         }
         to.within(&format!("{lanes} lanes"), |to| self.engine.record(to));
-        to.within("run", |to| self.hallmarks().iter().for_each(|mark| mark.write(to)));
+        to.within("run", |to| self.hallmarks(false).iter().for_each(|mark| mark.write(to)));
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Group<D>>, Error> {
@@ -528,7 +531,8 @@ impl<const D: usize> Group<D> for SideBySide<D> {
             crowded_until,
             halvings: (halvings as u32).min(MOST_HALVINGS),
         };
-        from.within("run", |from| from.same(&again.hallmarks()))?;
+        let marks = allowing(again.hallmarks(false), &again.hallmarks(true));
+        from.within("run", |from| from.same(&marks))?;
         Ok(Box::new(again))
     }
 

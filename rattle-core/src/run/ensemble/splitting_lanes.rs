@@ -25,7 +25,7 @@ use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::loops::step;
 use crate::run::ensemble::stirred::{Stirs, limit, look_around, stirred_step};
 use crate::run::ensemble::stirring::Stirring;
-use crate::run::fingerprint::beside;
+use crate::run::fingerprint::Looks;
 use crate::solve::crowd::EVERY;
 use std::any::Any;
 use std::hint::black_box;
@@ -215,12 +215,12 @@ where
         Ok(Box::new(Self { block, ..self.clone() }))
     }
 
-    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        let mut marks = hallmarks(&self.laws, lane, &bodies[0]);
+    fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark> {
+        let mut marks = hallmarks::<S, X, D, SUMS>(&self.laws, lane, looks);
         if const { X::Forces::FLOWS > 0 }
             && let Some(stirring) = &self.stirring
         {
-            let q = beside(bodies)[0].q.map(S::from_f64);
+            let q = looks.first()[0].map(S::from_f64);
             marks.extend(stirring.hallmarks(&self.laws, lane, q));
         }
         marks

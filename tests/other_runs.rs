@@ -1,0 +1,238 @@
+//! Checkpoints of other runs: what differs is told, however little it weighs beside the rest and however far from the
+//! origin it is; what differs by rounding alone is taken, and so are files that were written before so much was told.
+
+use rattle::checkpoint::{Checkpoint, Data, Record, encode};
+use rattle::links::planar::Rod;
+use rattle::potentials::planar::{Spring, gravitation};
+use rattle::prelude::*;
+use rattle::surfaces::Sphere;
+
+potential! {
+    /// A dimple far from the origin.
+    struct Dimple { depth, at }
+    |x, y| -depth * exp(-((x - at)^2 + (y - at)^2))
+}
+
+constraint! {
+    /// A small circle far from the origin.
+    struct Ring { at, r }
+    |x, y| (x - at)^2 + (y - at)^2 - r^2
+}
+
+/// A run of this parameter.
+type Begin<'a> = &'a dyn Fn(f64) -> Box<dyn Checkpoint>;
+
+/// A checkpoint of the first one is taken by the same, and refused by the second, which differs in this part.
+fn refused(begin: Begin<'_>, [file, here]: [f64; 2], part: &str) {
+    for [file, here] in [[file, here], [here, file]] {
+        let mut run = begin(file);
+        run.take_steps(3).unwrap();
+        let record = run.checkpoint();
+        begin(file).resume(&record).unwrap();
+        let mut other = begin(here);
+        let before = encode(&other.checkpoint());
+        let told = other.resume(&record).map_err(|error| error.to_string());
+        let is_told = told.as_ref().is_err_and(|told| told.contains(&format!("another run ({part}")));
+        assert!(is_told, "{file:e} for {here:e}: {told:?}");
+        assert!(encode(&other.checkpoint()) == before);
+    }
+}
+
+/// As simulations, and in lanes.
+macro_rules! refused_both_ways {
+    ($scene:expr, $start:expr, $h:expr, $parameters:expr, $part:expr) => {
+        refused(&|x| Box::new($scene(x).simulate($start(x), Rattle::new($h)).unwrap()), $parameters, $part);
+        let lanes = |x| {
+            let ensemble = $scene(x).ensemble(vec![$start(x); 3], Rattle::new($h)).unwrap();
+            assert_eq!(ensemble.plan().in_lanes, 3);
+            Box::new(ensemble) as Box<dyn Checkpoint>
+        };
+        refused(&lanes, $parameters, $part);
+    };
+}
+
+/// What acts on a small place is told there, too: a thousandth of the distance from the origin is far beside it.
+#[test]
+fn small_things_far_from_the_origin_count() {
+    for at in [0.0, 1e3, 1e5, 1e6] {
+        let scene = |depth| Scene::point().with(Dimple { depth, at });
+        let start = |_| State::at([at + 0.3, at]).moving([0.0, 0.1]);
+        refused_both_ways!(scene, start, 0.01, [1.0, 2.0], "effect 0");
+        // At rest in the middle there is no force.
+        let resting = |_| State::at([at, at]);
+        let part = if at < 1e4 { "effect 0" } else { "energies" };
+        refused_both_ways!(scene, resting, 0.01, [1.0, 2.0], part);
+        let scene = |r| Scene::on(Ring { at, r });
+        let start = |r| State::at([at + r, at]).moving([0.0, 0.1]);
+        refused_both_ways!(scene, start, 0.01, [1.0, 1.0 + 1e-6], "constraints");
+    }
+    let scene = |depth| Scene::on(Ring { at: 1e6, r: 1.0 }).with(Dimple { depth, at: 1e6 });
+    let start = |_| State::at([1e6 + 1.0, 1e6]).moving([0.0, 0.1]);
+    refused_both_ways!(scene, start, 0.01, [1.0, 1.0 + 1e-6], "effect 0");
+}
+
+/// Each mass, each equation and the force on each body has a size of its own.
+#[test]
+fn what_is_small_beside_the_rest_counts() {
+    let two = || State::of([[0.0, 0.0], [1.0, 0.0]]).with_momenta([[0.1, 0.0], [0.0, 1e-12]]);
+    let scene = |m| Scene::points(2).masses([m, 1e-12]);
+    refused_both_ways!(scene, |_| two(), 0.01, [1.0, 1.0 + 1e-6], "masses");
+    let scene = |m| Scene::points(2).masses([1.0, m]);
+    refused_both_ways!(scene, |_| two(), 0.01, [1e12, 2e12], "masses");
+    let scene = |m| Scene::points(3).with(gravitation(1.0, [1.0, 1e-3, m]));
+    let start = |_| State::of([[0.0, 0.0], [1.0, 0.0], [0.0, 2.0]]);
+    refused_both_ways!(scene, start, 0.01, [1e-14, 2e-14], "effect 0");
+    let spring = |stiffness, pair| Spring { stiffness, length: 1.0 }.over([pair]);
+    let scene = |k| Scene::points(4).with(spring(1e12, [0, 1])).with(spring(k, [2, 3]));
+    let start = |_| State::of([[0.0, 0.0], [1.0, 0.0], [5.0, 0.0], [6.0, 0.0]]);
+    refused_both_ways!(scene, start, 1e-7, [1.0, 2.0], "effect 1");
+    let scene = |l| Scene::points(4).link(Rod { length: 1e6 }, [[0, 1]]).link(Rod { length: l }, [[2, 3]]);
+    let start = |l| State::of([[0.0, 0.0], [1e6, 0.0], [5.0, 0.0], [5.0 + l, 0.0]]);
+    refused_both_ways!(scene, start, 1e-4, [1.0, 1.01], "constraints");
+}
+
+/// What is the same but for its roundings.
+mod one_way {
+    use rattle::prelude::*;
+    potential! { pub(super) struct Bond { k, l } |a: [f64; 2], b: [f64; 2]| k * (norm(a - b) - l)^2 / 2 }
+    potential! { pub(super) struct Bowl { k, at } |x, y| k * ((x - at)^2 + (y - at)^2) / 2 }
+    constraint! { pub(super) struct Ball { r } |x, y, z| x^2 + y^2 + z^2 - r^2 }
+    potential! { pub(super) struct Dent { at } |x, y, _z| -exp(-((x - at)^2 + y^2)) }
+}
+
+/// And here with other ones.
+mod another_way {
+    use rattle::prelude::*;
+    potential! {
+        pub(super) struct Bond { k, l }
+        |a: [f64; 2], b: [f64; 2]| k / 2 * (hypot(a[0] - b[0], b[1] - a[1]) - l / 3 - l * 2 / 3)^2
+    }
+    potential! {
+        pub(super) struct Bowl { k, at }
+        |x, y| k * ((x - at / 3 - at * 2 / 3)^2 + (at / 7 - y + at * 6 / 7)^2) / 2
+    }
+    constraint! { pub(super) struct Ball { r } |x, y, z| (z - r) * (z + r) + y^2 + x^2 }
+    potential! { pub(super) struct Dent { at } |x, y, _z| -exp(-(x - at)^2) * exp(-y^2) }
+}
+
+/// Checkpoints of each are taken by the other. Returns how many numbers differ in them by more than 1e-9 of themselves.
+fn taken(mut one: impl Checkpoint, mut another: impl Checkpoint) -> usize {
+    let numbers = |record: &Record| {
+        let told = record.fields().iter().filter(|field| field.name.contains("run/"));
+        let numbers = told.filter_map(|field| match &field.data {
+            Data::Numbers(numbers) => Some(numbers.clone()),
+            _ => None,
+        });
+        numbers.flatten().collect::<Vec<_>>()
+    };
+    let mut differ = 0;
+    for steps in [0, 3] {
+        one.take_steps(steps).unwrap();
+        another.take_steps(steps).unwrap();
+        let records = [one.checkpoint(), another.checkpoint()];
+        let [a, b] = records.each_ref().map(numbers);
+        differ += a.iter().zip(&b).filter(|(a, b)| (*a - *b).abs() > 1e-9 * a.abs().max(b.abs())).count();
+        another.resume(&records[0]).unwrap();
+        one.resume(&records[1]).unwrap();
+        another.resume(&records[1]).unwrap();
+    }
+    differ
+}
+
+/// Another library, compiler or processor rounds otherwise; where forces or equations cancel, nothing but roundings is
+/// left of them.
+#[test]
+fn roundings_are_no_other_run() {
+    let mut differ = 0;
+    macro_rules! taken {
+        ($way:ident: $scene:expr, $start:expr) => {
+            let h = 0.01;
+            let one = {
+                use one_way as $way;
+                $scene
+            };
+            let another = {
+                use another_way as $way;
+                $scene
+            };
+            let runs = (one.simulate($start, Rattle::new(h)), another.simulate($start, Rattle::new(h)));
+            differ += taken(runs.0.unwrap(), runs.1.unwrap());
+            let starts = || vec![$start; 3];
+            let runs = (one.ensemble(starts(), Rattle::new(h)), another.ensemble(starts(), Rattle::new(h)));
+            differ += taken(runs.0.unwrap(), runs.1.unwrap());
+        };
+    }
+    // Bonds at their length, along a slanted line: all forces are roundings.
+    let chain = |i: usize| [0.31 + 0.6 * 0.7 * i as f64, 0.8 * 0.7 * i as f64];
+    let bonds = (0..4).map(|i| [i, i + 1]);
+    let start = || State::of((0..5).map(chain));
+    taken!(way: Scene::points(5).with(way::Bond { k: 1.0, l: 0.7 }.over(bonds.clone())), start());
+    // At the bottom of a bowl, near the origin and far from it.
+    for at in [0.0, 0.3, 1e6 / 3.0] {
+        taken!(way: Scene::point().with(way::Bowl { k: 3.0, at }), State::at([at, at]));
+        taken!(way: Scene::point().with(way::Bowl { k: 3.0, at }), State::at([at * (1.0 + 1e-15), at]));
+    }
+    for r in [1e-9, 1.0, 1e6 / 3.0] {
+        let start = || State::at([0.6 * r, 0.0, 0.8 * r]).moving([0.0, 0.1 * r, 0.0]);
+        taken!(way: Scene::on(way::Ball { r }).with(way::Dent { at: 0.6 * r }), start());
+    }
+    assert!(differ > 20, "only {differ} numbers were roundings");
+}
+
+/// Files of before have less in them, and are read.
+#[test]
+fn files_in_which_less_is_told_are_taken() {
+    let scene = Scene::on(Sphere { r: 1.0 }).with(rattle::potentials::Gravity { g: 1.0 });
+    let start = || State::at([0.6, 0.8, 0.0]).moving([0.0, 0.0, 1.0]);
+    let older = |record: Record| {
+        let is_older = |name: &str| !name.contains("at its places") && !name.contains("precision");
+        let fields =
+            record.fields().iter().filter(|field| is_older(&field.name)).cloned().collect::<Vec<_>>();
+        assert!(fields.len() < record.fields().len());
+        Record::of(fields)
+    };
+    let begin = || scene.simulate(start(), Rattle::new(0.01)).unwrap();
+    let mut run = begin();
+    run.run(7).unwrap();
+    let mut again = begin();
+    again.resume(&older(run.checkpoint())).unwrap();
+    assert!(encode(&again.checkpoint()) == encode(&run.checkpoint()));
+    let begin = || scene.ensemble_in(Single, vec![start(); 3], Rattle::new(0.01)).unwrap();
+    let mut run = begin();
+    run.run(7);
+    let mut again = begin();
+    again.resume(&older(run.checkpoint())).unwrap();
+    assert!(encode(&again.checkpoint()) == encode(&run.checkpoint()));
+}
+
+/// What was computed to sixteen digits does not go on with seven, nor the other way.
+#[test]
+fn precisions_are_told_apart() {
+    fn check(method: &impl Method) {
+        // Its places and what is looked at beside them are the same in both: a plane that is no more than z = 0.
+        let scene = Scene::on(rattle::surfaces::Plane { a: 0.0, b: 0.0, c: 1.0, d: 0.0 });
+        let starts = || (0..3).map(|i| State::at([f64::from(i), 0.0, 0.0]).moving([0.3, 0.1, 0.0]));
+        let double = scene.ensemble_in(Double, starts(), method.clone()).unwrap();
+        let single = scene.ensemble_in(Single, starts(), method.clone()).unwrap();
+        let sums = scene.ensemble_in(Compensated, starts(), method.clone()).unwrap();
+        let mut all = [double, single, sums];
+        for ensemble in &mut all {
+            assert_eq!(ensemble.plan().in_lanes, 3, "{}", method.name());
+            ensemble.run(5);
+        }
+        for (file, here) in [(0, 1), (1, 0), (0, 2), (2, 0), (1, 2), (2, 1)] {
+            let record = all[file].checkpoint();
+            let told = all[here].resume(&record).map_err(|error| error.to_string());
+            let is_told = told.as_ref().is_err_and(|told| told.contains("the checkpoint"));
+            assert!(is_told, "{}: {file} for {here}: {told:?}", method.name());
+            if [file, here].contains(&1) {
+                assert!(told.is_err_and(|told| told.contains("another run (precision): it was written by")));
+            }
+        }
+    }
+    check(&Rattle::new(0.01));
+    check(&Lobatto::<3>::new(0.01));
+    check(&Dop853::new(0.01));
+    check(&Taylor::new(8, 0.01));
+    check(&Brownian::new(1.0, 0.5, 7, 0.01));
+}
