@@ -1,16 +1,19 @@
 //! What a recorder keeps and how it is called in files: times that a run reaches, names that would hide others.
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use rattle::checkpoint::{CheckpointError, Ended, Saving};
 use rattle::links::planar::{Crank, Rod, Slider};
 use rattle::prelude::*;
 use rattle::record::{NpzParts, Parquet, Stream, Vtu, Writer, Xyz};
 use rattle::surfaces::Sphere;
+use rattle::system::System;
 use rattle::vtu::Series;
 use rattle::watch::{Columns, Recorder, Rows};
 use rattle::{Error, data};
 use std::fs::{self, File};
-use std::sync::Arc;
+use std::io;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 
 /// A free body from this time on, in so many steps of h, recorded at these times.
 fn rows(start: f64, h: f64, steps: u64, times: &[f64]) -> Vec<f64> {
@@ -256,4 +259,61 @@ fn without_freedom_there_is_no_temperature() {
     let mut ensemble = scene.ensemble([start.clone(), start], Rattle::new(0.01)).unwrap();
     let rows = ensemble.observe(20, 1, || Recorder::of(&columns, Rows::default())).finish().unwrap();
     assert!(rows.len() == 40 && rows.numbers.iter().all(|x| x.is_nan()), "{:?}", rows.numbers);
+}
+
+/// A free body on a line, at speed 1.
+fn on_a_line(h: f64) -> Simulation<impl System<f64, 1>, Rattle, 1> {
+    Scene::point().simulate(State::at([0.0]).moving([1.0]), Rattle::new(h)).unwrap()
+}
+
+/// Takes so many blocks, and keeps their steps.
+struct Blocks(usize, Arc<Mutex<Vec<u64>>>);
+
+impl Writer for Blocks {
+    fn write(&mut self, rows: &Rows) -> io::Result<()> {
+        self.0 = self.0.checked_sub(1).ok_or_else(|| io::Error::other("the disk is full"))?;
+        self.1.lock().unwrap().extend(&rows.steps);
+        Ok(())
+    }
+    fn finish(self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// No checkpoint is ahead of the file of a recorder that was flushed, also where that failed.
+#[test]
+fn a_run_whose_rows_are_lost_is_not_saved_behind_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let saving = Saving::to(folder.path().join("run.rattle")).every(100);
+    let kept = Arc::new(Mutex::new(Vec::new()));
+    let stream = Stream::to(Blocks(2, kept.clone()));
+    let mut recorder = Recorder::of(&Columns::<1>::new().positions(), stream.sink());
+    let mut run = on_a_line(0.1);
+    let ended = saving.run_to_by(&mut run, 1000, 10, |run, steps, every| {
+        run.observe(steps, every, &mut recorder)?;
+        recorder.flush()
+    });
+    let error = ended.unwrap_err();
+    assert!(matches!(error, CheckpointError::Step(_)) && error.to_string().contains("is full"), "{error}");
+    let mut again = on_a_line(0.1);
+    assert!(saving.restore(&mut again).unwrap());
+    assert_eq!(kept.lock().unwrap().last(), Some(&200));
+    assert_eq!((run.steps(), again.steps()), (300, 200));
+}
+
+/// A run that has its steps already is saved, and not again where the file is of that step.
+#[test]
+fn a_run_without_steps_to_take_is_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let saving = Saving::to(folder.path().join("deep/run.rattle"));
+    let mut run = on_a_line(0.1);
+    run.run(10).unwrap();
+    assert_eq!(saving.run_to(&mut run, 10).unwrap(), Ended::Done);
+    let mut again = on_a_line(0.1);
+    assert!(saving.restore(&mut again).unwrap());
+    assert_eq!(again.steps(), 10);
+    fs::create_dir(folder.path().join("deep/run.rattle.part")).unwrap(); // where nothing can be written
+    assert_eq!(saving.run_to(&mut run, 5).unwrap(), Ended::Done);
+    run.run(1).unwrap();
+    assert!(matches!(saving.run_to(&mut run, 5), Err(CheckpointError::Io { .. })));
 }

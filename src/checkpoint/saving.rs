@@ -1,7 +1,7 @@
 //! Runs that save themselves.
 
 use super::error::CheckpointError;
-use super::file::make_way;
+use super::file::{encode, make_way, read};
 use super::save::Save;
 use crate::Error;
 use rattle_core::run::checkpoint::Checkpoint;
@@ -82,8 +82,8 @@ impl Saving {
         }
     }
 
-    /// Takes steps until `steps` have been taken since the very start of the simulation (none if there are as many
-    /// already), and saves the run.
+    /// Takes steps until `steps` have been taken since the very start of the simulation, and saves the run. If there
+    /// are as many already, none is taken, and the run is saved where the file is not one of it as it is.
     ///
     /// # Errors
     /// [`CheckpointError::Step`] for a step that cannot be taken; the steps before it are saved.
@@ -98,9 +98,9 @@ impl Saving {
     /// take, and after how many of them to look, again and again. This is `every`, but less in the first part after a
     /// start from a step that is no multiple: so that it looks at multiples only, as if the run had never ended.
     ///
-    /// A recorder that is flushed in `take` has all rows in its file that come before a checkpoint. After a kill the
-    /// file may have rows from behind the checkpoint too, which come again: let each start write a file of its own, or
-    /// drop the rows whose step is past that of the checkpoint.
+    /// A recorder that is flushed in `take` has all rows in its file that come before a checkpoint, also where it
+    /// fails: then the last checkpoint stays. After a kill the file may have rows from behind the checkpoint too, which
+    /// come again: let each start write a file of its own, or drop the rows whose step is past that of the checkpoint.
     ///
     /// ```
     /// # use rattle::{checkpoint::Saving, prelude::*, surfaces::Sphere};
@@ -120,7 +120,8 @@ impl Saving {
     /// ```
     ///
     /// # Errors
-    /// As [`run_to`](Self::run_to); [`CheckpointError::Step`] also for other errors of `take`.
+    /// As [`run_to`](Self::run_to); [`CheckpointError::Step`] also for other errors of `take`. After
+    /// [`Error::Recorder`] nothing is saved.
     pub fn run_to_by<R: Checkpoint + ?Sized>(
         &self,
         run: &mut R,
@@ -128,8 +129,13 @@ impl Saving {
         every: u64,
         mut take: impl FnMut(&mut R, u64, u64) -> Result<(), Error>,
     ) -> Result<Ended, CheckpointError> {
-        if run.steps_taken() < steps {
-            make_way(&self.path)?;
+        let has_steps = run.steps_taken() >= steps;
+        if has_steps && read(&self.path).is_ok_and(|there| encode(&there) == encode(&run.checkpoint())) {
+            return Ok(Ended::Done);
+        }
+        make_way(&self.path)?;
+        if has_steps {
+            run.save(&self.path)?;
         }
         let (mut saved, least) = (Instant::now(), run.at_a_time());
         let (mut stretch, every) = (least, every.max(1));
@@ -143,7 +149,10 @@ impl Saving {
             let end = end.checked_next_multiple_of(every).map_or(steps, |end| steps.min(end));
             let begun = Instant::now();
             if let Err(error) = take(run, end - now, every - behind) {
-                run.save(&self.path)?;
+                // Rows that a recorder has lost lie behind the last checkpoint, but before the run as it is.
+                if !matches!(error, Error::Recorder { .. }) {
+                    run.save(&self.path)?;
+                }
                 return Err(CheckpointError::Step(Box::new(error)));
             }
             if begun.elapsed() < LOOK && stretch < MOST {
