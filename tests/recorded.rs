@@ -1,5 +1,6 @@
 //! What a recorder keeps and how it is called in files: times that a run reaches, names that would hide others.
 
+use crate::recorders::{python, read_by};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use rattle::checkpoint::{CheckpointError, Ended, Saving};
 use rattle::links::planar::{Crank, Rod, Slider};
@@ -8,7 +9,7 @@ use rattle::record::{NpzParts, Parquet, Stream, Vtu, Writer, Xyz};
 use rattle::surfaces::Sphere;
 use rattle::system::System;
 use rattle::vtu::Series;
-use rattle::watch::{Columns, Recorder, Rows};
+use rattle::watch::{Column, Columns, Recorder, Rows};
 use rattle::{Error, data};
 use std::fs::{self, File};
 use std::io;
@@ -217,7 +218,7 @@ fn files_without_rows_have_columns() {
     let columns = Columns::<3>::new().positions().at_times([0.05]);
     ensemble.observe(9, 1, || Recorder::of(&columns, stream.sink())).finish().unwrap();
     assert_eq!(stream.finish().unwrap(), 2);
-    assert_eq!(shape("q"), [1, 1, 3]);
+    assert_eq!(shape("q"), [2, 1, 3]);
 }
 
 /// A quantity is asked once for each row, and columns are found once, also where there are none.
@@ -316,4 +317,64 @@ fn a_run_without_steps_to_take_is_saved() {
     assert_eq!(saving.run_to(&mut run, 5).unwrap(), Ended::Done);
     run.run(1).unwrap();
     assert!(matches!(saving.run_to(&mut run, 5), Err(CheckpointError::Io { .. })));
+}
+
+/// Flushes do not make parts: a file of few rows at a time is as large as one of many.
+#[test]
+fn an_archive_has_parts_of_some_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.npz");
+    let stream = Stream::to(NpzParts::create(&path).unwrap());
+    let mut recorder = Recorder::of(&Columns::<1>::new().positions().momenta(), stream.sink());
+    let mut run = on_a_line(0.1);
+    for _ in 0..1000 {
+        run.observe(1, 1, &mut recorder).unwrap();
+        recorder.flush().unwrap();
+    }
+    recorder.finish().unwrap();
+    assert_eq!(stream.finish().unwrap(), 1000);
+    let times = data::read(&path, "t.000000").unwrap();
+    assert_eq!((&times.shape[..], times.data[999]), (&[1000][..], run.time()));
+    assert_eq!(data::read(&path, "q.000000").unwrap().shape, [1000, 1, 1]);
+    assert!(data::read(&path, "q.000001").is_err());
+    let (size, numbers) = (fs::metadata(&path).unwrap().len(), 1000 * 5 * 8);
+    assert!((numbers..2 * numbers).contains(&size), "{size} bytes for {numbers} of numbers");
+
+    // Of 2²⁰ numbers or a block more each, in the order of their rows.
+    let mut writer = NpzParts::create(&path).unwrap();
+    for block in 0..5 {
+        let count = |row: u64| 100_000 * block + row;
+        writer
+            .write(&Rows {
+                steps: (0..100_000).map(count).collect(),
+                trajectories: vec![0; 100_000],
+                times: vec![0.5; 100_000],
+                numbers: (0..100_000).map(|row| count(row) as f64).collect(),
+                columns: [Column { name: "x".into(), shape: Vec::new(), place: 0..1 }].into(),
+            })
+            .unwrap();
+    }
+    writer.finish().unwrap();
+    let parts = [0, 1].map(|part| data::read(&path, &format!("x.{part:06}")).unwrap());
+    assert_eq!([&parts[0].shape[..], &parts[1].shape[..]], [[300_000], [200_000]]);
+    assert!(parts.iter().flat_map(|part| &part.data).copied().eq((0..500_000).map(f64::from)));
+}
+
+/// A column whose name begins as another's is no part of it.
+#[test]
+fn columns_are_told_apart_by_the_line_for_numpy() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.npz");
+    let place = |now: &Sight<'_, 3>| now.position().x;
+    let columns =
+        Columns::<3>::new().quantity("x", place).quantity("x.abs", place).quantity("x.abs.y", place);
+    of_two_bodies(NpzParts::create(&path).unwrap(), &columns, 4);
+    let pages = [include_str!("../src/record.rs"), include_str!("../docs/guide/long-runs.md")];
+    for page in pages {
+        assert!(page.contains("for k in sorted(f) if k.rpartition(\".\")[0] == \"q\"])"));
+    }
+    let Some(python) = python("zipfile") else { return };
+    let code = "import sys, zipfile\nf = [name[:-4] for name in zipfile.ZipFile(sys.argv[1]).namelist()]\n\
+        for c in ['x', 'x.abs', 'x.abs.y', 'abs']: print(len([k for k in f if k.rpartition('.')[0] == c]))";
+    assert_eq!(read_by(&python, code, &path), [1.0, 1.0, 1.0, 0.0]);
 }

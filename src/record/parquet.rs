@@ -1,6 +1,6 @@
 //! Long tables for pandas, Polars and DuckDB: Apache Parquet.
 
-use super::stream::Writer;
+use super::stream::{NUMBERS, Writer, append, taken, width};
 use crate::watch::{Column, Rows};
 use parquet::basic::{Repetition, Type as Physical};
 use parquet::data_type::{DataType, DoubleType, Int64Type};
@@ -12,9 +12,6 @@ use std::fs::{self, File};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
-
-/// A group of rows is written when it has so many numbers: 8 MiB.
-const NUMBERS: usize = 1 << 20;
 
 /// A table with the columns `step`, `trajectory` and `t`, and one for each recorded number: `height`, or `q_0_2` for an
 /// entry of an array (for positions: body 0, coordinate 2). For long tables with few columns; for many bodies take
@@ -69,7 +66,7 @@ impl Parquet {
 
     fn write_group(&mut self) -> Result<(), ParquetError> {
         self.begun()?;
-        let rows = std::mem::take(&mut self.waiting);
+        let rows = taken(&mut self.waiting);
         let mut group = self.begun()?.next_row_group()?;
         let whole = |counts: &[u64]| counts.iter().map(|&count| count.cast_signed()).collect::<Vec<_>>();
         column::<Int64Type>(&mut group, &whole(&rows.steps))?;
@@ -88,10 +85,7 @@ impl Writer for Parquet {
     fn write(&mut self, rows: &Rows) -> io::Result<()> {
         self.waiting.columns = rows.columns.clone();
         self.begun().map_err(of_the_system)?;
-        self.waiting.steps.extend(&rows.steps);
-        self.waiting.trajectories.extend(&rows.trajectories);
-        self.waiting.times.extend(&rows.times);
-        self.waiting.numbers.extend(&rows.numbers);
+        append(rows, &mut self.waiting);
         if (width(&rows.columns) + 3) * self.waiting.len() < NUMBERS {
             return Ok(());
         }
@@ -104,11 +98,6 @@ impl Writer for Parquet {
         }
         self.begun().and_then(|file| file.finish().map(|_| ())).map_err(of_the_system)
     }
-}
-
-/// Numbers in a row.
-fn width(columns: &[Column]) -> usize {
-    columns.last().map_or(0, |last| last.place.end)
 }
 
 fn column<T: DataType>(

@@ -1,7 +1,7 @@
 //! A thread that writes rows, and the formats of its files.
 
 use crate::data::{DataError, Npz};
-use crate::watch::{Rows, Sink};
+use crate::watch::{Column, Rows, Sink};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
@@ -11,6 +11,9 @@ use std::thread::{JoinHandle, spawn};
 
 /// So many blocks may wait for the thread that writes; then the run waits.
 const WAITING: usize = 16;
+
+/// Formats that write parts gather rows of so many numbers for each: 8 MiB.
+pub(super) const NUMBERS: usize = 1 << 20;
 
 /// A file format: writes blocks of rows.
 pub trait Writer: Send + 'static {
@@ -119,6 +122,25 @@ pub(super) fn is_as_positions(rows: &Rows, name: &str) -> bool {
     shape(name).is_some_and(|of_name| Some(of_name) == shape("q"))
 }
 
+/// Numbers in a row.
+pub(super) fn width(columns: &[Column]) -> usize {
+    columns.last().map_or(0, |last| last.place.end)
+}
+
+/// Adds rows to those that wait, which have the same columns.
+pub(super) fn append(rows: &Rows, waiting: &mut Rows) {
+    waiting.steps.extend(&rows.steps);
+    waiting.trajectories.extend(&rows.trajectories);
+    waiting.times.extend(&rows.times);
+    waiting.numbers.extend(&rows.numbers);
+}
+
+/// The rows that wait; their columns stay.
+pub(super) fn taken(waiting: &mut Rows) -> Rows {
+    let columns = waiting.columns.clone();
+    std::mem::replace(waiting, Rows { columns, ..Rows::default() })
+}
+
 fn write_all(mut writer: impl Writer, receiver: &Receiver<Told>) -> Result<u64, StreamError> {
     let mut written = 0;
     loop {
@@ -180,17 +202,17 @@ impl Sink for Handed {
     fn join(&mut self, _: Self) {} // the rows are where they go
 }
 
-/// A NumPy archive written in parts: for each block of rows the arrays `step`, `trajectory`, `t` and one for each
-/// column, each with the number of the block after its name. Without rows there is one block of arrays of length 0. The
-/// file is readable after [`Stream::finish`].
+/// A NumPy archive written in parts: for each 8 MiB of rows the arrays `step`, `trajectory`, `t` and one for each
+/// column, each with the number of the part after its name. Where rows with other shapes come, as in a sweep over
+/// networks of several sizes, they begin a part. Without rows there is one part of arrays of length 0. Each array costs
+/// some 300 bytes of memory until the end. The file is readable after [`Stream::finish`]; a flush writes nothing before.
 #[doc(alias = "numpy")]
 #[doc(alias = "npz")]
 #[derive(Debug)]
 pub struct NpzParts {
     npz: Option<Npz>,
     parts: usize,
-    /// Of a run in which no row was recorded.
-    empty: Rows,
+    waiting: Rows,
 }
 
 impl NpzParts {
@@ -199,13 +221,13 @@ impl NpzParts {
     /// # Errors
     /// [`DataError::Io`].
     pub fn create(path: impl AsRef<Path>) -> Result<Self, DataError> {
-        Ok(Self { npz: Some(Npz::create(path)?), parts: 0, empty: Rows::default() })
+        Ok(Self { npz: Some(Npz::create(path)?), parts: 0, waiting: Rows::default() })
     }
 }
 
 impl NpzParts {
-    fn write_part(&mut self, rows: &Rows) -> io::Result<()> {
-        let part = self.parts;
+    fn write_part(&mut self) -> io::Result<()> {
+        let (rows, part) = (taken(&mut self.waiting), self.parts);
         self.parts += 1;
         let name = |column: &str| format!("{column}.{part:06}");
         let float = |counts: &[u64]| counts.iter().map(|&x| x as f64).collect::<Vec<_>>();
@@ -229,17 +251,23 @@ impl NpzParts {
 
 impl Writer for NpzParts {
     fn write(&mut self, rows: &Rows) -> io::Result<()> {
-        if rows.is_empty() {
-            self.empty = rows.clone();
+        if rows.is_empty() && (self.parts > 0 || !self.waiting.is_empty()) {
             return Ok(());
         }
-        self.write_part(rows)
+        if self.waiting.columns != rows.columns {
+            if !self.waiting.is_empty() {
+                self.write_part()?;
+            }
+            self.waiting.columns = rows.columns.clone();
+        }
+        append(rows, &mut self.waiting);
+        let numbers = (width(&rows.columns) + 3) * self.waiting.len();
+        if numbers < NUMBERS { Ok(()) } else { self.write_part() }
     }
 
     fn finish(mut self) -> io::Result<()> {
-        if self.parts == 0 {
-            let empty = std::mem::take(&mut self.empty);
-            self.write_part(&empty)?;
+        if self.parts == 0 || !self.waiting.is_empty() {
+            self.write_part()?;
         }
         self.npz.map_or(Ok(()), |npz| npz.finish().map_err(io::Error::other))
     }
