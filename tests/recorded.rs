@@ -9,7 +9,7 @@ use rattle::record::{NpzParts, Parquet, Stream, Vtu, Writer, Xyz};
 use rattle::surfaces::Sphere;
 use rattle::system::System;
 use rattle::vtu::Series;
-use rattle::watch::{Column, Columns, Recorder, Rows};
+use rattle::watch::{Column, Columns, Each, Recorder, Rows};
 use rattle::{Error, data};
 use std::fs::{self, File};
 use std::io;
@@ -265,6 +265,122 @@ fn without_freedom_there_is_no_temperature() {
 /// A free body on a line, at speed 1.
 fn on_a_line(h: f64) -> Simulation<impl System<f64, 1>, Rattle, 1> {
     Scene::point().simulate(State::at([0.0]).moving([1.0]), Rattle::new(h)).unwrap()
+}
+
+/// A time between the last sight of a call and its end is met by the first sight of the next one.
+#[test]
+fn no_time_is_lost_between_two_calls() {
+    let recorder = |times: &[f64]| {
+        let columns = Columns::<1>::new().at_times(times.iter().copied());
+        Recorder::of(&columns, Rows::default())
+    };
+    for direction in [1.0, -1.0] {
+        let given = [5.0, 10.2, 10.4, 15.0].map(|time| direction * time);
+        let expected = |times: &[f64]| times.iter().map(|time| direction * time).collect::<Vec<_>>();
+        let (mut run, mut seen) = (on_a_line(0.1 * direction), recorder(&given));
+        for _ in 0..2 {
+            run.observe(105, 10, &mut seen).unwrap(); // the last sights are those of steps 100 and 205
+        }
+        near(&seen.finish().unwrap().times, &expected(&[5.0, 11.5, 15.5]));
+
+        // What nobody sees between two calls is between them, too.
+        let (mut run, mut seen) = (on_a_line(0.1 * direction), recorder(&given));
+        run.observe(100, 10, &mut seen).unwrap();
+        run.run(35).unwrap();
+        run.observe(30, 10, &mut seen).unwrap();
+        near(&seen.finish().unwrap().times, &expected(&[5.0, 14.5, 15.5]));
+
+        // A run that begins anew has all its times, be it another one or the same at a checkpoint.
+        let (mut run, mut seen) = (on_a_line(0.1 * direction), recorder(&given));
+        let start = run.checkpoint();
+        run.observe(105, 10, &mut seen).unwrap();
+        run.resume(&start).unwrap();
+        run.observe(105, 10, &mut seen).unwrap();
+        on_a_line(0.1 * direction).observe(60, 10, &mut seen).unwrap();
+        near(&seen.finish().unwrap().times, &expected(&[5.0, 5.0, 5.0]));
+    }
+}
+
+/// Each trajectory has its own sights: one ends where others go on.
+#[test]
+fn times_are_met_by_each_trajectory() {
+    let starts = [0.0, 0.03, -0.04].map(|time| State::at([0.0]).moving([1.0]).at_time(time));
+    let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.01)).unwrap();
+    let columns = Columns::<1>::new().at_times([0.055, 0.1]);
+    let rows = ensemble.observe(25, 10, || Recorder::of(&columns, Rows::default())).finish().unwrap();
+    let of = |trajectory| {
+        let rows = rows.trajectories.iter().zip(&rows.times).filter(move |row| *row.0 == trajectory);
+        rows.map(|row| *row.1).collect::<Vec<_>>()
+    };
+    near(&of(0), &[0.1]);
+    near(&of(1), &[0.13]);
+    near(&of(2), &[0.06, 0.16]);
+}
+
+/// Chains of 3 and of 5 bodies, side by side.
+fn of_two_sizes() -> Ensemble<2> {
+    let chain = |rods: usize| {
+        let links = (0..rods).map(|i| [i, i + 1]);
+        let scene = Scene::points(rods + 1).link(Rod { length: 1.0 }, links).pin(0, [0.0; 2]);
+        (scene, State::of((0..=rods).map(|i| [i as f64, 0.0])))
+    };
+    let [few, many] = [chain(2), chain(4)];
+    Ensemble::sweep(Double, [(&few.0, few.1), (&many.0, many.1)], Rattle::new(0.01)).unwrap()
+}
+
+/// Rows of one table have one length: those of other sizes are told, and not mixed in.
+#[test]
+fn rows_of_several_sizes_are_not_mixed() {
+    let places = Columns::<2>::new().positions();
+    let told = |error: Error| {
+        let Error::Recorder { why, .. } = &error else { panic!("{error}") };
+        assert!(
+            why.contains("`q` has the shape [") && why.contains("3, 2]") && why.contains("5, 2]"),
+            "{why}"
+        );
+    };
+    told(of_two_sizes().observe(2, 1, || Recorder::of(&places, Rows::default())).finish().unwrap_err());
+    let energies = Columns::<2>::new().energies();
+    let rows = of_two_sizes().observe(2, 1, || Recorder::of(&energies, Rows::default())).finish().unwrap();
+    assert_eq!((rows.len(), rows.numbers("energies").count()), (4, 4));
+
+    // In a file whose parts have a shape each, all is there.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.npz");
+    let stream = Stream::to(NpzParts::create(&path).unwrap());
+    of_two_sizes().observe(2, 1, || Recorder::of(&places, stream.sink())).finish().unwrap();
+    assert_eq!(stream.finish().unwrap(), 4);
+    let mut shapes = [0, 1].map(|part| data::read(&path, &format!("q.{part:06}")).unwrap().shape);
+    shapes.sort();
+    assert_eq!(shapes, [[2, 3, 2], [2, 5, 2]]);
+    // A table of numbers has one width.
+    let stream = Stream::to(Parquet::create(folder.path().join("run.parquet")).unwrap());
+    let _ = of_two_sizes().observe(2, 1, || Recorder::of(&places, stream.sink())).finish();
+    let error = stream.finish().unwrap_err().to_string();
+    assert!(error.contains("`q` has the shape ["), "{error}");
+
+    // Nor are those of one run after another.
+    let free = |bodies: usize| {
+        let start = State::of((0..bodies).map(|i| [i as f64, 0.0]));
+        Scene::points(bodies).simulate(start, Rattle::new(0.01)).unwrap()
+    };
+    let mut recorder = Recorder::of(&places, Rows::default());
+    free(3).observe(2, 1, &mut recorder).unwrap();
+    told(free(5).observe(2, 1, &mut recorder).unwrap_err());
+    let mut path = Trajectory::new();
+    free(3).observe(2, 1, &mut path).unwrap();
+    let error = free(5).observe(2, 1, &mut path).unwrap_err();
+    assert!(matches!(&error, Error::Recorder { rows: 3, why } if why.contains("3 bodies")), "{error}");
+    assert_eq!((path.shape(), path.positions().len()), ([3, 3, 2], 18));
+}
+
+/// One trajectory has one shape; `Each` keeps one of each.
+#[test]
+#[should_panic(expected = "take `Each::of(Trajectory::new)`")]
+fn trajectories_of_several_sizes_are_not_joined() {
+    let kept = of_two_sizes().observe(2, 1, || Each::of(Trajectory::new));
+    assert_eq!([0, 1].map(|i| kept.get(i).unwrap().shape()), [[3, 3, 2], [3, 5, 2]]);
+    of_two_sizes().observe(2, 1, Trajectory::new);
 }
 
 /// Takes so many blocks, and keeps their steps.

@@ -1,6 +1,6 @@
 //! Long tables for pandas, Polars and DuckDB: Apache Parquet.
 
-use super::stream::{NUMBERS, Writer, append, taken, width};
+use super::stream::{NUMBERS, Writer, append, taken, width, wrong};
 use crate::watch::{Column, Rows};
 use parquet::basic::{Repetition, Type as Physical};
 use parquet::data_type::{DataType, DoubleType, Int64Type};
@@ -83,7 +83,11 @@ impl Parquet {
 
 impl Writer for Parquet {
     fn write(&mut self, rows: &Rows) -> io::Result<()> {
-        self.waiting.columns = rows.columns.clone();
+        if let Begun::Not(_) = self.begun {
+            self.waiting.columns = rows.columns.clone();
+        } else if !rows.is_empty() {
+            rows.fit(&self.waiting).map_err(wrong)?; // a table has one width
+        }
         self.begun().map_err(of_the_system)?;
         append(rows, &mut self.waiting);
         if (width(&rows.columns) + 3) * self.waiting.len() < NUMBERS {

@@ -199,7 +199,9 @@ impl Sink for Handed {
     fn end(&mut self) {
         self.unfinished = None;
     }
-    fn join(&mut self, _: Self) {} // the rows are where they go
+    fn join(&mut self, _: Self) -> Result<(), String> {
+        Ok(()) // the rows are where they go
+    }
 }
 
 /// A NumPy archive written in parts: for each 8 MiB of rows the arrays `step`, `trajectory`, `t` and one for each

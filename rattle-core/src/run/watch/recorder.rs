@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::number::clock::steps_to;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::sight::Sight;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -166,8 +167,9 @@ impl<const D: usize> Columns<D> {
     /// before. The start counts as a sight: it is that of all times that it has reached. A time that is less than a
     /// millionth of a step ahead counts as reached, as by
     /// [`run_until`](crate::run::simulation::Simulation::run_until). Times are not met more exactly than the run is
-    /// observed. A run that goes on from a checkpoint begins with such a sight as well; leave out the times that are
-    /// recorded already. With a time that is NaN the run ends with [`Error::Recorder`] at its first row.
+    /// observed: one between the last sight of a call and its end is met by the first sight of the next call. A run
+    /// that goes on from a checkpoint begins with such a sight as well; leave out the times that are recorded already.
+    /// With a time that is NaN the run ends with [`Error::Recorder`] at its first row.
     #[must_use]
     pub fn at_times(mut self, times: impl IntoIterator<Item = f64>) -> Self {
         let mut times = times.into_iter().collect::<Vec<_>>();
@@ -184,11 +186,6 @@ impl<const D: usize> Columns<D> {
     ) -> Self {
         self.columns.push((name.into(), entry, Arc::new(write)));
         self
-    }
-
-    /// Whether one of the times, if there are some, is reached between two sights, or at the second.
-    fn wants(&self, before: &Sight<'_, D>, now: &Sight<'_, D>) -> bool {
-        self.times.as_ref().is_none_or(|times| reached(times, now) > reached(times, before))
     }
 
     /// Whether a row of the start is wanted.
@@ -289,6 +286,31 @@ impl Rows {
         let rows = self.numbers.chunks_exact(width);
         place.into_iter().flat_map(move |place| rows.clone().map(move |row| &row[place.clone()]))
     }
+
+    /// Checks that these rows can follow others in one table: that they have the same columns.
+    ///
+    /// # Errors
+    /// The first column that differs.
+    pub fn fit(&self, others: &Self) -> Result<(), String> {
+        if self.columns == others.columns {
+            return Ok(());
+        }
+        let both = |(own, other): &(&Column, &Column)| own.name == other.name && own.shape != other.shape;
+        Err(match self.columns.iter().zip(&*others.columns).find(both) {
+            Some((Column { name, shape, .. }, Column { shape: other, .. })) => {
+                of_another_size(name, other, shape)
+            }
+            None => "rows have other columns than those before".into(),
+        })
+    }
+}
+
+/// What is told where a column has another shape than in the rows before.
+fn of_another_size(name: &str, before: &[usize], now: &[usize]) -> String {
+    format!(
+        "`{name}` has the shape {before:?} in the rows before and {now:?} in these; record runs of different sizes \
+         apart, or into `NpzParts`, whose parts have a shape each"
+    )
 }
 
 /// The receiver of rows.
@@ -309,15 +331,20 @@ pub trait Sink: Send {
     /// Learns that no more rows come.
     fn end(&mut self) {}
     /// Adds the rows of the sink of the next trajectories.
-    fn join(&mut self, next: Self)
+    ///
+    /// # Errors
+    /// Why they cannot be added.
+    fn join(&mut self, next: Self) -> Result<(), String>
     where
         Self: Sized;
 }
 
 impl Sink for Rows {
     fn take(&mut self, rows: &mut Rows) -> Result<(), String> {
-        if !rows.columns.is_empty() {
+        if self.is_empty() && !(rows.is_empty() && rows.columns.is_empty()) {
             self.columns = rows.columns.clone();
+        } else if !rows.is_empty() {
+            rows.fit(self)?;
         }
         self.steps.append(&mut rows.steps);
         self.trajectories.append(&mut rows.trajectories);
@@ -325,8 +352,8 @@ impl Sink for Rows {
         self.numbers.append(&mut rows.numbers);
         Ok(())
     }
-    fn join(&mut self, mut next: Self) {
-        let _ = self.take(&mut next); // which does not fail
+    fn join(&mut self, mut next: Self) -> Result<(), String> {
+        self.take(&mut next)
     }
 }
 
@@ -349,6 +376,8 @@ pub struct Recorder<S: Sink, const D: usize> {
     laid_out: bool,
     /// Steps of the start.
     start: Option<u64>,
+    /// By trajectory, where there are times: steps of its last sight, and how many of the times it had reached.
+    last: BTreeMap<usize, (u64, usize)>,
     failure: Option<Error>,
 }
 
@@ -359,7 +388,8 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
         let failure = columns.mistake().map(|why| Error::Recorder { rows: 0, why });
         let (rows, at, laid_out) = (Rows::default(), Instant::now(), false);
         let (columns, sink) = (columns.clone(), Some(sink));
-        Self { columns, rows, sink, handed_on: 0, at, laid_out, start: None, failure }
+        let last = BTreeMap::new();
+        Self { columns, rows, sink, handed_on: 0, at, laid_out, start: None, last, failure }
     }
 
     /// Passes on the last rows, and returns the sink. A recorder that is dropped passes them on too, and cannot say
@@ -420,14 +450,30 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
         self.at = Instant::now();
     }
 
+    /// Whether one of the times, if there are some, is reached since the last sight of the trajectory, which may lie
+    /// before that of this call; at its first, and where it begins anew, since `before`.
+    fn wants(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) -> bool {
+        let Some(times) = &self.columns.times else { return true };
+        let (at_first, number) = (reached(times, before), reached(times, now));
+        let last = self.last.insert(now.trajectory, (now.step, number));
+        let goes_on = last.filter(|last| last.0 <= before.step);
+        number > goes_on.map_or(at_first, |last| last.1.min(at_first))
+    }
+
     fn write(&mut self, now: &Sight<'_, D>) {
         if !self.laid_out {
             self.lay_out(now);
         }
+        let already = self.rows.numbers.len();
+        self.columns.columns.iter().for_each(|(_, _, write)| write(now, &mut self.rows.numbers));
+        let width = self.rows.columns.last().map_or(0, |last| last.place.end);
+        if self.rows.numbers.len() != already + width {
+            self.rows.numbers.truncate(already);
+            return self.refuse(now);
+        }
         self.rows.steps.push(now.step);
         self.rows.trajectories.push(now.trajectory as u64);
         self.rows.times.push(now.time);
-        self.columns.columns.iter().for_each(|(_, _, write)| write(now, &mut self.rows.numbers));
         let rows = self.rows.len();
         let is_full = self.rows.numbers.len() >= NUMBERS || rows >= ROWS;
         // The clock is asked seldom where rows come fast.
@@ -436,9 +482,23 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
         }
     }
 
-    /// Finds out how much stands in a row, by the first sight. Quantities of a user's are not asked.
+    /// Fails, since this sight has a row of another length than those before.
+    #[cold]
+    fn refuse(&mut self, now: &Sight<'_, D>) {
+        let (now, before) = (self.layout(now), self.rows.columns.clone());
+        let rows = |columns| Rows { columns, ..Rows::default() };
+        let why = rows(now).fit(&rows(before)).err().unwrap_or_default();
+        self.failure = Some(Error::Recorder { rows: self.handed_on, why });
+    }
+
     #[cold]
     fn lay_out(&mut self, now: &Sight<'_, D>) {
+        self.rows.columns = self.layout(now);
+        self.laid_out = true;
+    }
+
+    /// How much stands in a row, by a sight. Quantities of a user's are not asked.
+    fn layout(&self, now: &Sight<'_, D>) -> Arc<[Column]> {
         let (mut all, mut row) = (Vec::new(), Vec::new());
         for (name, entry, write) in &self.columns.columns {
             let from = row.len();
@@ -455,8 +515,7 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
             };
             all.push(Column { name: name.clone(), shape, place: from..row.len() });
         }
-        self.rows.columns = all.into();
-        self.laid_out = true;
+        all.into()
     }
 }
 
@@ -477,7 +536,7 @@ impl<S: Sink, const D: usize> Observer<D> for Recorder<S, D> {
         if *self.start.get_or_insert(before.step) == before.step && self.columns.wants_start(before) {
             self.write(before);
         }
-        if self.columns.wants(before, now) {
+        if self.wants(before, now) {
             self.write(now);
         } else if !self.laid_out {
             self.lay_out(now); // for a file without rows
@@ -487,15 +546,18 @@ impl<S: Sink, const D: usize> Observer<D> for Recorder<S, D> {
     fn join(&mut self, mut next: Self) {
         self.hand_on();
         next.hand_on();
-        self.handed_on += next.handed_on;
         if !self.laid_out {
             self.rows.columns = next.rows.columns.clone();
             self.laid_out = next.laid_out;
         }
+        self.last.append(&mut next.last);
         self.failure = self.failure.take().or(next.failure.take());
-        if let (Some(sink), Some(next)) = (&mut self.sink, next.sink.take()) {
-            sink.join(next);
+        if let (Some(sink), Some(next)) = (&mut self.sink, next.sink.take())
+            && let Err(why) = sink.join(next)
+        {
+            self.failure.get_or_insert(Error::Recorder { rows: self.handed_on, why });
         }
+        self.handed_on += next.handed_on;
     }
 
     fn failure(&self) -> Option<Error> {

@@ -1,5 +1,6 @@
 //! Trajectories in memory: times, positions and momenta, row by row.
 
+use crate::error::Error;
 use crate::motion::method::Method;
 use crate::motion::system::System;
 use crate::run::simulation::Simulation;
@@ -10,7 +11,8 @@ use nalgebra::SVector;
 /// Times, positions and momenta of a run, row by row from its start; multipliers on request.
 ///
 /// Positions and momenta have the shape [rows, bodies, D], with the last index fastest, as NumPy arrays and pages take
-/// it. For an ensemble use one for each trajectory, by [`Each`](crate::run::watch::Each).
+/// it. For an ensemble use one for each trajectory, by [`Each`](crate::run::watch::Each). Rows have one shape: a run of
+/// another number of bodies ends with [`Error::Recorder`], and to join trajectories of several sizes is a panic.
 ///
 /// ```
 /// # use rattle::{Rattle, Scene, State, Trajectory};
@@ -34,6 +36,7 @@ pub struct Trajectory {
     multipliers: Option<Multipliers>,
     /// λ and μ of the step under way, one of each per equation; in a method of stages those of the last stage.
     under_way: Multipliers,
+    failure: Option<Error>,
 }
 
 /// λ and μ of a run, one of each per equation and row, on the scale of M q̈ = −∇U + Gᵀλ.
@@ -139,6 +142,11 @@ impl<const D: usize> Observer<D> for Trajectory {
         if self.times.is_empty() {
             row(before, self);
         }
+        if [self.bodies, self.coordinates] != [now.positions.len(), D] {
+            let why = format!("they are of {} bodies, and here are {}", self.bodies, now.positions.len());
+            self.failure = Some(Error::Recorder { rows: self.times.len() as u64, why });
+            return;
+        }
         row(now, self);
         if let Some(rows) = &mut self.multipliers {
             for (rows, under_way) in [
@@ -151,14 +159,27 @@ impl<const D: usize> Observer<D> for Trajectory {
         }
     }
 
+    /// # Panics
+    /// If both have rows, and those of `next` have another shape.
     fn join(&mut self, next: Self) {
+        self.failure = self.failure.take().or(next.failure);
         if next.times.is_empty() {
             return;
         }
+        let fits = self.times.is_empty() || self.shape()[1..] == [next.bodies, next.coordinates];
+        let both = [self.bodies, next.bodies];
+        assert!(
+            fits,
+            "trajectories of {both:?} bodies have no common shape: take `Each::of(Trajectory::new)`"
+        );
         (self.bodies, self.coordinates) = (next.bodies, next.coordinates);
         self.times.extend(next.times);
         self.positions.extend(next.positions);
         self.momenta.extend(next.momenta);
+    }
+
+    fn failure(&self) -> Option<Error> {
+        self.failure.clone()
     }
 
     fn position_multiplier(&mut self, equation: usize, lambda: f64) {
