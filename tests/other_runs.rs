@@ -236,3 +236,17 @@ fn precisions_are_told_apart() {
     check(&Taylor::new(8, 0.01));
     check(&Brownian::new(1.0, 0.5, 7, 0.01));
 }
+
+/// In lanes, too, an option that the file lacks is told, and the other way round.
+#[test]
+fn retry_is_told_in_lanes() {
+    let scene = Scene::on(Sphere { r: 1.0 });
+    let begin = |retry: f64| {
+        let starts = (0..3).map(|i| State::at([1.0, 0.0, 0.0]).moving([0.0, 0.5 + f64::from(i), 0.0]));
+        let ensemble = scene.ensemble(starts, Rattle::new(0.1)).unwrap();
+        assert_eq!(ensemble.plan().in_lanes, 3);
+        Box::new(ensemble.retry(retry as u32)) as Box<dyn Checkpoint>
+    };
+    refused(&begin, [0.0, 6.0], "options");
+    refused(&begin, [4.0, 6.0], "options");
+}

@@ -1,6 +1,6 @@
 //! A group of trajectories in lanes: failures, replacements of failed lanes, and observations.
 
-use crate::error::Error;
+use crate::error::{Error, RecordMistake};
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
 use crate::motion::record::{Hallmark, Reading, Record};
@@ -488,6 +488,11 @@ impl<const D: usize> Group<D> for SideBySide<D> {
         let crowded = from.counted("crowded")?.map(|crowded| crowded != 0);
         let [crowded_until] = from.counted("crowded until")?;
         let [halvings] = from.counted("halvings")?;
+        let option = |halvings: u64| if halvings == 0 { "none".into() } else { format!("retry({halvings})") };
+        if halvings != u64::from(self.halvings) {
+            let [file, here] = [halvings, self.halvings.into()].map(|halvings| option(halvings).into());
+            return Err(Error::Record(RecordMistake::Another { part: "options".into(), file, here }));
+        }
         let apart = from.counts("by themselves")?;
         let n = self.engine.bodies_of_each();
         let places = from.vectors::<D>("where these are", 4 * n * apart.len())?;
@@ -529,7 +534,7 @@ impl<const D: usize> Group<D> for SideBySide<D> {
             crowded,
             own,
             crowded_until,
-            halvings: (halvings as u32).min(MOST_HALVINGS),
+            halvings: self.halvings,
         };
         let marks = allowing(again.hallmarks(false), &again.hallmarks(true));
         from.within("run", |from| from.same(&marks))?;
