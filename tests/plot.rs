@@ -141,6 +141,62 @@ fn linear_axes_reach_rounding() {
     }
 }
 
+/// A small change of a large number fills a linear axis; what is below rounding is a constant.
+#[test]
+fn linear_axes_show_small_changes() {
+    for (size, part) in [(1e-6, 0.5), (1e-9, 0.5), (1e-10, 0.5), (1e-12, 0.5), (1e-15, 0.0)] {
+        let energy = (0..=200).map(|i| (f64::from(i), -0.5 + size * (0.1 * f64::from(i)).sin()));
+        let svg = Chart::new("Energy").line("", energy).to_svg().unwrap();
+        let line = svg.split("<path d=\"M ").nth(1).and_then(|rest| rest.split('"').next()).unwrap();
+        let heights: Vec<f64> =
+            line.split(" L ").map(|p| p.split_whitespace().nth(1).unwrap().parse().unwrap()).collect();
+        let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let covered = (heights.iter().copied().fold(0.0, f64::max) - low) / 480.0;
+        assert!(
+            if part > 0.0 { covered > part } else { covered < 0.01 },
+            "{size:e}: {covered} of the height"
+        );
+        let mut labels: Vec<&str> =
+            svg.split("text-anchor=\"end\"").skip(1).map(|t| t.split(['>', '<']).nth(1).unwrap()).collect();
+        let all = labels.len();
+        labels.dedup();
+        assert!(all >= 3 && labels.len() == all, "{size:e}: ticks with the same label: {labels:?}");
+    }
+}
+
+/// The sheet is as high as the legend, and a line of one point is a dot.
+#[test]
+fn legends_and_single_points_are_whole() {
+    let lines = |n: u32| {
+        let line = |chart: Chart, k| {
+            chart.line(format!("curve {k}"), [(0.0, f64::from(k)), (1.0, f64::from(k + 1))])
+        };
+        (0..n).fold(Chart::new("many").x("x"), line)
+    };
+    let number = |text: &str, name: &str| -> f64 {
+        text.split(&format!("{name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+    };
+    for n in [1, 20, 30, 80] {
+        for chart in [lines(n), lines(n).equal_aspect()] {
+            let svg = chart.to_svg().unwrap();
+            let height = number(&svg, "height");
+            let last = svg.lines().find(|line| line.contains(&format!(">curve {}<", n - 1))).unwrap();
+            assert!(
+                number(last, " y") < height - 5.0,
+                "{n}: the last row is at {} of {height}",
+                number(last, " y")
+            );
+            let below = svg.lines().find(|line| line.contains(">x<")).unwrap();
+            assert!(number(below, " y") < height.min(901.0), "{n}: the label of x");
+        }
+    }
+    assert_eq!(number(&lines(5).to_svg().unwrap(), "height"), 480.0);
+    for points in [vec![(1.0, 2.0)], vec![(1.0, 2.0); 3]] {
+        let svg = Chart::new("one").line("a", [(0.0, 0.0), (2.0, 3.0)]).line("dot", points).to_svg().unwrap();
+        assert!(svg.contains("<circle"), "nothing is drawn");
+    }
+}
+
 #[test]
 fn ticks_are_round_numbers() {
     let linear = |low, high| Chart::new("").line("", [(low, 0.0), (high, 1.0)]);

@@ -12,6 +12,8 @@ const FEW_DECADES: [f64; 2] = [1.2, 3.5];
 const MANY_DECADES: f64 = 16.0;
 /// What is shorter counts as nothing: a hundredth of it is still a double of full precision.
 const SMALLEST: f64 = 1e-303;
+/// Numbers that differ by a smaller part of them are constant: differences are rounding.
+const CONSTANT: f64 = 1e-13;
 /// A tick this part of a step outside is still at the end: the step is rounded.
 const ROUNDING: f64 = 1e-9;
 /// The powers of ten of numbers that are written in full, and the most decimals of such numbers.
@@ -51,7 +53,7 @@ impl Axis {
     pub(super) fn linear(values: impl Iterator<Item = f64>, number: f64) -> Self {
         let (low, high) = range(values);
         // A constant still gets an axis, wide enough that its ticks are distinct doubles.
-        let room = if high - low > f64::max(1e-9 * low.abs().max(high.abs()), SMALLEST) {
+        let room = if high - low > f64::max(CONSTANT * low.abs().max(high.abs()), SMALLEST) {
             0.0
         } else if low.abs() < SMALLEST {
             1.0
@@ -146,7 +148,8 @@ impl Axis {
     /// ten.
     fn multiples(&self, Step { n, decade, size }: Step) -> Vec<Tick> {
         let [low, high] = [self.low, self.high].map(|end| if self.log { 10f64.powf(end) } else { end });
-        let [first, last] = [(low / size - ROUNDING).ceil() as i64, (high / size + ROUNDING).floor() as i64];
+        let [first, last] =
+            [rounded(low / size, -1.0).ceil() as i64, rounded(high / size, 1.0).floor() as i64];
         let largest = first.unsigned_abs().max(last.unsigned_abs()) as i64 * n;
         let exponent = decade + largest.to_string().len() as i32 - 1; // of the largest number's first digit
         let full = (IN_FULL[0]..=IN_FULL[1]).contains(&exponent) && -decade <= MOST_DECIMALS;
@@ -184,11 +187,16 @@ impl Step {
     /// The nearest multiples around both.
     fn around(&self, low: f64, high: f64) -> [f64; 2] {
         let [below, above] = [
-            (low / self.size + ROUNDING).floor() * self.size,
-            (high / self.size - ROUNDING).ceil() * self.size,
+            rounded(low / self.size, 1.0).floor() * self.size,
+            rounded(high / self.size, -1.0).ceil() * self.size,
         ];
         [low.min(below), high.max(above)]
     }
+}
+
+/// A number of steps, so much up or down that rounding makes no step of it; many steps are rounded themselves.
+fn rounded(steps: f64, sign: f64) -> f64 {
+    steps + sign * f64::max(ROUNDING, 4.0 * f64::EPSILON * steps.abs())
 }
 
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {

@@ -14,7 +14,7 @@ use super::svg::{INK, PALE, Svg};
 
 const WIDTH: f64 = 860.0;
 const HEIGHT: f64 = 480.0;
-/// Lowest and highest sheet where both axes have one scale.
+/// Lowest sheet where both axes have one scale, and the highest up to which a frame grows.
 const HEIGHTS: [f64; 2] = [240.0, 900.0];
 /// A linear axis has at most one label on so much paper, across and up.
 const PER_LABEL: [f64; 2] = [90.0, 60.0];
@@ -26,6 +26,9 @@ const ROOM: f64 = 6.0;
 const FILLED: f64 = 0.92;
 /// A map's scale: its width, its steps of colour, and the room for it and its numbers in heights of letters.
 const SCALE: (f64, usize, f64) = (14.0, 64, 4.5);
+
+/// The legend: its first row below the frame's top, and from row to row.
+const ROWS: [f64; 2] = [12.0, 20.0];
 
 // Heights of letters.
 const TITLE: f64 = 18.0;
@@ -73,6 +76,8 @@ struct Frame {
     right: f64,
     top: f64,
     bottom: f64,
+    /// Between the frame and the foot of its words, above which the sheet goes on where the legend is longer.
+    below: f64,
     height: f64,
     /// What stays empty inside at the sides, above and below.
     room: [f64; 3],
@@ -87,7 +92,10 @@ impl Frame {
         let legend = if legend > 0.0 && scale > 0.0 { 3.0 + legend + scale } else { legend.max(scale) };
         let top = if sheet.title.is_empty() { 18.0 } else { 46.0 };
         let below = 26.0 + if sheet.x.is_empty() { 0.0 } else { 1.7 * LABEL };
-        let number = (HEIGHT - below - top) / PER_LABEL[1];
+        let rows = top + ROWS[0] + ROWS[1] * named(sheet).count() as f64;
+        let height = HEIGHT.max(rows);
+        let bottom = height.min(HEIGHTS[1]) - below;
+        let number = (bottom - top) / PER_LABEL[1];
         let y = window(sheet, 1, number);
         let up = longest(y.ticks().iter().map(|tick| tick.label.as_str()));
         let left = 18.0 + TICK * up + if sheet.y.is_empty() { 0.0 } else { 1.7 * LABEL };
@@ -104,21 +112,21 @@ impl Frame {
             Some(_) => [0.0; 3],
             None => [sides, ROOM, if bars { 0.0 } else { ROOM }],
         };
-        let mut frame =
-            Self { left, right, top, bottom: HEIGHT - below, height: HEIGHT, room, x: x(right), y };
+        let mut frame = Self { left, right, top, bottom, below, height, room, x: x(right), y };
         if sheet.equal {
-            frame.one_scale(below);
+            frame.one_scale();
+            frame.height = frame.height.max(rows);
         }
         frame
     }
 
     /// Gives the sheet the height, and the axes the windows, with which one unit is equally long on both.
-    fn one_scale(&mut self, below: f64) {
+    fn one_scale(&mut self) {
         self.room = [ROOM; 3];
         let width = self.right - self.left - 2.0 * ROOM;
-        let wanted = self.top + width * self.y.span() / self.x.span() + 2.0 * ROOM + below;
+        let wanted = self.top + width * self.y.span() / self.x.span() + 2.0 * ROOM + self.below;
         self.height = wanted.clamp(HEIGHTS[0], HEIGHTS[1]);
-        self.bottom = self.height - below;
+        self.bottom = self.height - self.below;
         let height = self.bottom - self.top - 2.0 * ROOM;
         let unit = f64::max(self.x.span() / width, self.y.span() / height);
         self.x.widen(unit * width, width / PER_LABEL[0]);
@@ -139,7 +147,7 @@ impl Frame {
     fn words(&self, svg: &mut Svg, sheet: &Sheet) {
         let middle = (0.5 * (self.left + self.right), 0.5 * (self.top + self.bottom));
         svg.text((0.5 * WIDTH, 28.0), TITLE, "middle", sheet.title);
-        svg.text((middle.0, self.height - 12.0), LABEL, "middle", sheet.x);
+        svg.text((middle.0, self.bottom + self.below - 12.0), LABEL, "middle", sheet.x);
         svg.upright_text((20.0, middle.1), LABEL, sheet.y);
     }
 
@@ -250,7 +258,7 @@ impl Frame {
         let left = self.right + 16.0 + if scale > 0.0 { LEGEND * (scale + 3.0) } else { 0.0 };
         let named = sheet.curves.iter().zip(dashes).filter(|(curve, _)| !curve.label.is_empty());
         for (row, (curve, dashes)) in named.enumerate() {
-            let (x, y) = (left, self.top + 12.0 + 20.0 * row as f64);
+            let (x, y) = (left, self.top + ROWS[0] + ROWS[1] * row as f64);
             let corners = [(x, y - 5.0), (x + 22.0, y - 5.0), (x + 22.0, y + 5.0), (x, y + 5.0)];
             match curve.style {
                 Style::Band => svg.region(&corners, &curve.colour, PALENESS),
@@ -320,6 +328,8 @@ fn radius(curve: &Curve) -> Option<f64> {
     match curve.style {
         Style::Points => Some((3.0 * (300.0 / curve.points.len() as f64).sqrt()).clamp(0.8, 3.0)),
         Style::Marked => Some(4.0),
+        // A line of no length is a dot.
+        Style::Line | Style::Thin if curve.points.windows(2).all(|pair| pair[0] == pair[1]) => Some(2.0),
         Style::Line | Style::Thin | Style::Slope(_) | Style::Bars(_) | Style::Band => None,
     }
 }
