@@ -109,8 +109,8 @@ impl Graph {
         let square = self.node_of(square);
         self.call(Function::Exp, square).into()
     }
-    /// ∂(xʸ)/∂y = f ln x, and 0 where x is. Where x < 0 it is 0 as well while f is a number, as that of `x^max(y, 2)` may
-    /// be, and no number where f is none.
+    /// ∂(xʸ)/∂y = f ln x, and 0 where x is. Where x < 0 it is 0 as well while f is a number, as that of `x^max(y, 2)`
+    /// may be, and no number where f is none.
     fn growth(&mut self, x: Id, f: Id) -> Scaled {
         let logarithm = self.call(Function::Ln, x);
         let product = self.product(&[f.into(), logarithm.into()]);

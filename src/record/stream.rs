@@ -207,7 +207,8 @@ impl Sink for Handed {
 /// A NumPy archive written in parts: for each 8 MiB of rows the arrays `step`, `trajectory`, `t` and one for each
 /// column, each with the number of the part after its name. Where rows with other shapes come, as in a sweep over
 /// networks of several sizes, they begin a part. Without rows there is one part of arrays of length 0. Each array costs
-/// some 300 bytes of memory until the end. The file is readable after [`Stream::finish`]; a flush writes nothing before.
+/// some 300 bytes of memory until the end. The file is readable after [`Stream::finish`]; a flush writes nothing
+/// before.
 #[doc(alias = "numpy")]
 #[doc(alias = "npz")]
 #[derive(Debug)]

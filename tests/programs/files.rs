@@ -12,6 +12,8 @@ mod data;
 mod other_runs;
 #[path = "../page.rs"]
 mod page;
+#[path = "../page_data.rs"]
+mod page_data;
 #[path = "../plot.rs"]
 mod plot;
 #[path = "../price_page.rs"]

@@ -8,25 +8,30 @@ impl fmt::Display for Prices {
         let [first, second] = self.reference;
         write!(
             f,
-            "measured on {:.4} of {:.4} units of time, in {:.2} s; ",
-            self.pilot, self.duration, self.seconds
+            "measured on {} of {} units of time, in {:.2} s; ",
+            figure(self.pilot, 4),
+            figure(self.duration, 4),
+            self.seconds
         )?;
         writeln!(f, "errors against {first}, which {second} repeats to {:.1e}", self.reference_error)?;
         if let (Some(lyapunov), Some(predictable)) = (self.lyapunov_time, self.predictable) {
             writeln!(
                 f,
-                "chaotic: Lyapunov time {lyapunov:.3}; positions can be told until {predictable:.3} after the start"
+                "chaotic: Lyapunov time {}; positions can be told until {} after the start",
+                figure(lyapunov, 3),
+                figure(predictable, 3)
             )?;
             if !self.tells_positions() {
-                let until = self.positions_until;
+                let until = figure(self.positions_until, 3);
                 writeln!(
                     f,
-                    "errors of position are those until {until:.3}; beyond, of energy and averages alone"
+                    "errors of position are those until {until}; beyond, of energy and averages alone"
                 )?;
             }
         }
         for average in &self.averages {
-            writeln!(f, "mean of {}: {:.6} ± {:.1e}", average.name, average.mean, average.uncertainty)?;
+            let mean = figure(average.mean, 6);
+            writeln!(f, "mean of {}: {mean} ± {:.1e}", average.name, average.uncertainty)?;
         }
         let names = self.methods().into_iter().map(|method| method.to_string().chars().count() + 2);
         let wide = names.max().unwrap_or(0).max(34);
@@ -132,6 +137,15 @@ impl Prices {
             text.push('\n');
         }
         text
+    }
+}
+
+/// With so many decimals, or by a power of ten where they would hide the number or be lost behind it.
+fn figure(x: f64, decimals: usize) -> String {
+    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
+        format!("{x:.decimals$}")
+    } else {
+        format!("{x:.decimals$e}")
     }
 }
 
