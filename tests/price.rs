@@ -44,6 +44,38 @@ fn orders_and_errors_are_those_of_the_methods() {
     let digits = prices.digits();
     assert!(digits.len() > 10 && digits.windows(2).all(|pair| pair[0].1 <= pair[1].1), "{digits:?}");
     assert_eq!(prices.csv().lines().count(), prices.rows.len() + 1);
+    // Times of any size can be read.
+    let shown = |duration, lyapunov| {
+        let [lyapunov_time, predictable] = [Some(lyapunov), Some(3.0 * lyapunov)];
+        let (pilot, positions_until) = (duration, 0.5 * duration);
+        Prices { duration, pilot, positions_until, lyapunov_time, predictable, ..prices.clone() }.to_string()
+    };
+    for (text, words) in [
+        (
+            shown(5.0, 2.0),
+            [
+                "measured on 5.0000 of 5.0000 units",
+                "Lyapunov time 2.000",
+                "until 6.000 after",
+                "until 2.500;",
+            ],
+        ),
+        (
+            shown(5e-12, 2e-13),
+            [
+                "measured on 5.0000e-12 of",
+                "Lyapunov time 2.000e-13",
+                "until 6.000e-13 after",
+                "until 2.500e-12;",
+            ],
+        ),
+        (
+            shown(4e9, 1e8),
+            ["measured on 4.0000e9 of", "Lyapunov time 1.000e8", "until 3.000e8 after", "until 2.000e9;"],
+        ),
+    ] {
+        words.iter().for_each(|words| assert!(text.contains(words), "no `{words}` in\n{text}"));
+    }
 }
 
 /// The rows in lanes beside those of a simulation with the same steps, their errors the same to this rounding.
