@@ -209,7 +209,7 @@ fn files_in_which_less_is_told_are_taken() {
 #[test]
 fn precisions_are_told_apart() {
     fn check(method: &impl Method) {
-        // Its places and what is looked at beside them are the same in both: a plane that is no more than z = 0.
+        // On the plane z = 0 little differs: a checkpoint of the one was taken by the other.
         let scene = Scene::on(rattle::surfaces::Plane { a: 0.0, b: 0.0, c: 1.0, d: 0.0 });
         let starts = || (0..3).map(|i| State::at([f64::from(i), 0.0, 0.0]).moving([0.3, 0.1, 0.0]));
         let double = scene.ensemble_in(Double, starts(), method.clone()).unwrap();
@@ -223,11 +223,15 @@ fn precisions_are_told_apart() {
         for (file, here) in [(0, 1), (1, 0), (0, 2), (2, 0), (1, 2), (2, 1)] {
             let record = all[file].checkpoint();
             let told = all[here].resume(&record).map_err(|error| error.to_string());
-            let is_told = told.as_ref().is_err_and(|told| told.contains("the checkpoint"));
-            assert!(is_told, "{}: {file} for {here}: {told:?}", method.name());
-            if [file, here].contains(&1) {
-                assert!(told.is_err_and(|told| told.contains("another run (precision): it was written by")));
-            }
+            // Where sums are compensated there are more fields, of which the first is told.
+            let words = ["another run (precision): it was written by", "the checkpoint does not fit"];
+            let found = words.iter().position(|words| told.as_ref().is_err_and(|told| told.contains(words)));
+            let may_be_fields = [file, here].contains(&2);
+            assert!(
+                found == Some(0) || found == Some(1) && may_be_fields,
+                "{}: {file} for {here}: {told:?}",
+                method.name()
+            );
         }
     }
     check(&Rattle::new(0.01));
