@@ -1,7 +1,7 @@
 //! The equation of one body, as the solver sees it.
 
 use crate::kernel::functions::ConstraintKernel;
-use crate::kernel::kinks::sign_changes;
+use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot};
 use crate::solve::aim::SHIFTS;
@@ -42,7 +42,12 @@ impl<T: Scalar, K: ConstraintKernel<T, D, 1>, const D: usize> Equation<T, D> for
     }
 
     fn kinks(&self, from: &[T; D], to: &[T; D]) -> bool {
-        if const { K::KINKS.is_empty() } { false } else { sign_changes(self, &[*from], &[*to]) }
+        if const { K::KINKS.is_empty() } {
+            return false;
+        }
+        let exact = |place: &[T; D]| [place.map(T::to_f64)];
+        sign_changes(self, &[*from], &[*to])
+            && first_kink::<T, _, D, 1, 1>(self, &exact(from), &exact(to)).is_some()
     }
 
     #[inline(always)]
