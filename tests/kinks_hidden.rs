@@ -3,6 +3,7 @@
 
 use rattle::Error;
 use rattle::error::StepFailure;
+use rattle::kernel::ConstraintKernel;
 use rattle::prelude::*;
 
 constraint! {
@@ -102,4 +103,18 @@ fn steps_over_several_teeth_are_errors() {
         let mut run = scene.simulate(start, Rattle::new(h)).unwrap();
         kink(run.run(10).unwrap_err());
     }
+}
+
+/// An angle that is to be zero does not jump there, nor does one whose first argument is a length: such links are not
+/// looked at.
+#[test]
+fn angles_of_links_have_no_list() {
+    use rattle::links::{Angle, Torsion, planar};
+    fn listed<C: Constraint<D, 1>, const D: usize>(_: &C) -> usize {
+        C::Kernel::<f64>::KINKS.len()
+    }
+    assert_eq!(listed::<_, 6>(&planar::Angle { angle: 1.0 }), 0);
+    assert_eq!(listed::<_, 9>(&Angle { angle: 1.0 }), 0);
+    assert_eq!(listed::<_, 12>(&Torsion { angle: 1.0 }), 0);
+    assert_eq!(listed::<_, 3>(&ByAngle { c: 1.0 }), 1);
 }

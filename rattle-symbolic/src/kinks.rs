@@ -4,7 +4,7 @@
 //! abs(a), sign(a), cbrt(a), if a < 0 …      a
 //! min(a, b), max(a, b), if a < b …          a − b, or b − a
 //! floor(a), mod(a, w) = a − w floor(a/w)    the lowest binary digits of floor(a), as signs
-//! atan2(a, b)                               a: where b is negative, the angle jumps by 2π
+//! atan2(a, b)                               a, where b is negative: the angle jumps by 2π
 //! atan(a), tanh(a), erf(a), atan2(a, b)     what is divided by in them: they jump where it is zero
 //! sqrt(a² + c), hypot(a, c)                 a, where c is smaller than a²: for c = 0 that is an edge
 //! ```
@@ -36,7 +36,12 @@ impl From<Id> for Kink {
 /// The kinks of these equations, each once.
 pub(crate) fn kinks(graph: &mut Graph, roots: &[Id]) -> Vec<Kink> {
     let (mut list, mut listed, mut quotients) = (Vec::new(), BTreeSet::new(), BTreeSet::new());
-    for id in graph.reachable(roots) {
+    let all = graph.reachable(roots);
+    let parts: BTreeSet<Id> = all.iter().flat_map(|&id| graph.node(id).children()).collect();
+    for id in all {
+        if matches!(graph.node(id), Node::Call2(Binary::Atan2, ..)) && !parts.contains(&id) {
+            continue; // an angle that is to be 0 is not where it jumps
+        }
         for kink in of_node(graph, id, &mut quotients) {
             if graph.moving(kink.changes) && listed.insert(kink.changes) {
                 list.push(kink);
@@ -60,11 +65,12 @@ fn of_node(graph: &mut Graph, id: Id, quotients: &mut BTreeSet<Id>) -> Vec<Kink>
         Node::Call(Floor, a) => (0..DIGITS).map(|digit| binary_digit(graph, a, digit)).collect(),
         Node::Call(Atan | Tanh | Erf, a) => divisors(graph, &[a], quotients),
         Node::Call2(Binary::Atan2, a, b) => {
-            let mut list = divisors(graph, &[a, b], quotients);
-            if graph.number(b).is_none_or(|b| b < 0.0) {
-                list.push(a);
+            let mut list: Vec<Kink> =
+                divisors(graph, &[a, b], quotients).into_iter().map(Kink::from).collect();
+            if !graph.never_negative(a) && !graph.never_negative(b) {
+                list.push(cut(graph, a, b));
             }
-            list
+            return list;
         }
         Node::Select(_, a, b, ..) if graph.as_constant(b) == Some(0.0) => vec![a],
         Node::Select(_, a, b, ..) if graph.as_constant(a) == Some(0.0) => vec![b],
@@ -102,7 +108,8 @@ fn divisors(graph: &mut Graph, of: &[Id], quotients: &mut BTreeSet<Id>) -> Vec<I
         Node::Call(Function::Tan, a) => Some(graph.call(Function::Cos, a)),
         _ => None,
     };
-    new.into_iter().filter_map(divisor).collect()
+    let divisors: Vec<Id> = new.into_iter().filter_map(divisor).collect();
+    divisors.into_iter().filter(|&b| !graph.never_negative(b)).collect()
 }
 
 /// The edge of √u for u = a² + c, where c does not move.
@@ -119,6 +126,13 @@ fn edge_of_root(graph: &mut Graph, u: Id) -> Option<Kink> {
         inside = moving;
         rest = Some(rest.map_or(still, |rest| graph.add(rest, still)));
     }
+}
+
+/// a where b is negative, else 1: there atan2(a, b) does not jump.
+fn cut(graph: &mut Graph, a: Id, b: Id) -> Kink {
+    let [zero, one] = [0.0, 1.0].map(|number| graph.constant(number));
+    let changes = graph.select(Comparison::Less, b, zero, a, one);
+    Kink { changes, shown: a }
 }
 
 /// a where c is no more than a², else 1: √(a² + c) is smooth as seen from so far.
