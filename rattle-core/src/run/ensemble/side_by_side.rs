@@ -490,7 +490,7 @@ impl<const D: usize> Group<D> for SideBySide<D> {
         let [halvings] = from.counted("halvings")?;
         let option = |halvings: u64| if halvings == 0 { "none".into() } else { format!("retry({halvings})") };
         if halvings != u64::from(self.halvings) {
-            let [file, here] = [halvings, self.halvings.into()].map(|halvings| option(halvings).into());
+            let [file, here] = [halvings, self.halvings.into()].map(option);
             return Err(Error::Record(RecordMistake::Another { part: "options".into(), file, here }));
         }
         let apart = from.counts("by themselves")?;
