@@ -6,7 +6,7 @@
 use crate::algebra::Scaled;
 use crate::differentiate::Calculus;
 use crate::graph::Graph;
-use crate::kinks::kinks;
+use crate::kinks::{Kink, kinks};
 use crate::limits::{MOST, TooLarge};
 use crate::node::{Id, Input};
 use crate::parity::of_square;
@@ -68,6 +68,13 @@ impl Routines {
         roots: &[Scaled],
     ) -> Result<(), TooLarge> {
         self.add_beside(name, source, &[], roots)
+    }
+
+    /// Where equations are not smooth: a function, and what users are told.
+    fn add_kinks(&mut self, source: &Graph, kinks: &[Kink]) -> Result<(), TooLarge> {
+        let changes: Vec<Id> = kinks.iter().map(|kink| kink.changes).collect();
+        self.kinks = kinks.iter().map(|kink| kink.shown).collect();
+        self.add("kinks", source, &scaled(&changes))
     }
 
     /// A function that shares what it can with `others`, as if one function had the results of both.
@@ -168,10 +175,8 @@ pub fn constraint(mut source: Graph, roots: &[Id], variables: u32) -> Result<Rou
         let weighted = calculus.tangents(&weighted, along);
         routines.add("weighted_hessian_vector", &source, &weighted)?;
     }
-    let changes: Vec<Id> = kinks.iter().map(|kink| kink.changes).collect();
-    routines.add("kinks", &source, &scaled(&changes))?;
+    routines.add_kinks(&source, &kinks)?;
     routines.gradients = (source, jacobian);
-    routines.kinks = kinks.iter().map(|kink| kink.shown).collect();
     Ok(routines)
 }
 
@@ -272,10 +277,8 @@ pub fn phase_constraint(mut source: Graph, roots: &[Id], variables: u32) -> Resu
     routines.rest("jacobians", roots.len());
     let products = calculus.tangents(&jacobians, along);
     routines.add("hessian_vector", &source, &products)?;
-    let changes: Vec<Id> = kinks.iter().map(|kink| kink.changes).collect();
-    routines.add("kinks", &source, &scaled(&changes))?;
+    routines.add_kinks(&source, &kinks)?;
     routines.gradients = (source, jacobians);
-    routines.kinks = kinks.iter().map(|kink| kink.shown).collect();
     Ok(routines)
 }
 

@@ -45,24 +45,43 @@ fn size<'a>(numbers: impl Iterator<Item = &'a f64>) -> f64 {
     }
 }
 
-/// Places and momenta beside these, each by a part of their own size.
+/// These bodies, each number of their places and momenta moved by a part of the size of all of its kind. `part` makes
+/// it of numbers that fill [0, 1) evenly, times `most`.
 #[inline(never)]
-pub(in crate::run) fn beside<const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Body<f64, D>> {
-    let places = BESIDE * size(bodies.iter().flat_map(|body| &body.q));
-    let momenta = BESIDE * size(bodies.iter().flat_map(|body| &body.p));
+pub(in crate::run) fn moved<const D: usize>(
+    bodies: &[Body<f64, D>],
+    most: f64,
+    part: fn(f64) -> f64,
+) -> Vec<Body<f64, D>> {
+    let places = most * size(bodies.iter().flat_map(|body| &body.q));
+    let momenta = most * size(bodies.iter().flat_map(|body| &body.p));
     let mut number = 0_u32;
     let mut aside = |x: f64, step: f64| {
         number += 1;
-        x + step * ((f64::from(number) * 0.618_033_988_749_894_9).fract() - 0.3)
+        x + step * part((f64::from(number) * 0.618_033_988_749_894_9).fract())
     };
-    let zero = [0.0; D];
     let mut moved = |body: &Body<f64, D>| Body {
         q: body.q.map(|q| aside(q, places)),
-        q_low: zero,
         p: body.p.map(|p| aside(p, momenta)),
-        p_low: zero,
+        ..*body
     };
     bodies.iter().map(&mut moved).collect()
+}
+
+/// Places and momenta beside these, each by a part of their own size.
+fn beside<const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Body<f64, D>> {
+    let zero = [0.0; D];
+    let mut beside = moved(bodies, BESIDE, |even| even - 0.3);
+    beside.iter_mut().for_each(|body| (body.q_low, body.p_low) = (zero, zero));
+    beside
+}
+
+/// The same places and momenta but for some roundings.
+fn rounded<const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Body<f64, D>> {
+    moved(bodies, ROUNDED, |even| {
+        let part = even - 0.5;
+        part + 0.5_f64.copysign(part) // in no direction none
+    })
 }
 
 /// Where a system is asked: beside its places, and at them.
@@ -94,25 +113,6 @@ impl<const D: usize> Looks<D> {
     pub(in crate::run) fn first(&self) -> [[f64; D]; 2] {
         [self.near[0].q, self.at[0].q]
     }
-}
-
-/// The same places and momenta but for some roundings.
-#[inline(never)]
-pub(in crate::run) fn rounded<const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Body<f64, D>> {
-    let places = ROUNDED * size(bodies.iter().flat_map(|body| &body.q));
-    let momenta = ROUNDED * size(bodies.iter().flat_map(|body| &body.p));
-    let mut number = 0_u32;
-    let mut aside = |x: f64, step: f64| {
-        number += 1;
-        let part = (f64::from(number) * 0.618_033_988_749_894_9).fract() - 0.5;
-        x + step * (part + 0.5_f64.copysign(part)) // in no direction none
-    };
-    let mut moved = |body: &Body<f64, D>| Body {
-        q: body.q.map(|q| aside(q, places)),
-        p: body.p.map(|p| aside(p, momenta)),
-        ..*body
-    };
-    bodies.iter().map(&mut moved).collect()
 }
 
 /// These marks, where as much is allowed as the same ones at rounded places tell.

@@ -24,7 +24,6 @@ pub(crate) fn instances<const D: usize>() -> impl Copy {
         checkpoint::read_places::<D> as *const (),
         checkpoint::write_places::<D> as *const (),
         events::Search::<D>::clone as *const (),
-        fingerprint::beside::<D> as *const (),
-        fingerprint::rounded::<D> as *const (),
+        fingerprint::moved::<D> as *const (),
     ]
 }
