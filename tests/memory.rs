@@ -198,3 +198,66 @@ fn a_method_knows_its_trajectory() {
     check(method);
     check(Composition::of(SUZUKI_1990_ORDER_4, method));
 }
+
+/// RATTLE that says that flows act inside its step, where none does, and that its step cannot be divided.
+#[derive(Debug, Clone, Copy)]
+struct Unmoved {
+    inner: Rattle,
+}
+
+impl Method for Unmoved {
+    type Memory<T: Scalar> = [T; 0];
+    type Need = Steps;
+    const HAS_STRUCTURE: bool = false;
+    const CHECKS: bool = true;
+    const STIRS: bool = true;
+
+    fn step_size(&self) -> f64 {
+        self.inner.step_size()
+    }
+    fn order(&self) -> u32 {
+        2
+    }
+    fn name(&self) -> &'static str {
+        "unmoved by flows"
+    }
+    fn with_step(&self, h: f64) -> Self {
+        Self { inner: self.inner.with_step(h) }
+    }
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+    fn undivided(&self) -> Option<&'static str> {
+        Some("it says so")
+    }
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        memory: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.inner.step(system, bodies, memory, witness)
+    }
+}
+
+/// What is made of another method has its properties: flows do not act a second time around its steps.
+#[test]
+fn properties_of_a_base_are_those_of_what_is_made_of_it() {
+    fn properties<S: Method>(method: &S) -> (bool, bool, bool, bool, Option<&'static str>) {
+        (S::HAS_STRUCTURE, S::FOLLOWS_ROOTS, S::CHECKS, S::STIRS, method.undivided())
+    }
+    let (base, start) = (Unmoved { inner: Rattle::new(0.01) }, || State::at([1.0, 0.0, 0.0]));
+    let (composed, variable) = (Composition::of(SUZUKI_1990_ORDER_4, base), Variable::of(base, 0.3));
+    assert_eq!(properties(&composed), properties(&base));
+    assert_eq!(properties(&variable), properties(&base));
+
+    let scene = Scene::on(Ball { r: 1.0 });
+    let dragged = scene.clone().with(rattle::effect::LinearDrag::new(1.0));
+    let mut still =
+        scene.simulate(start().moving([0.0, 1.0, 0.0]), Composition::new(SUZUKI_1990_ORDER_4, 0.01)).unwrap();
+    let mut moved = dragged.simulate(start().moving([0.0, 1.0, 0.0]), composed).unwrap();
+    still.run(10).unwrap();
+    moved.run(10).unwrap();
+    assert_eq!(still.position(), moved.position());
+}

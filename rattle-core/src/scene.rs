@@ -269,6 +269,8 @@ impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N
     /// methods a simulation adds half of each flow before and after; who moves a system by hand has none. What `force!`
     /// and [`VelocityRescaling`](crate::effect::VelocityRescaling) change by is computed with real parts, and has no
     /// derivatives.
+    ///
+    /// The scene is not checked: what is wrong with it, [`simulate`](Self::simulate) tells.
     pub fn system<T: Scalar>(&self) -> OnSurface<C::Kernel<T>, E::Forces<T>, N, OneByOne> {
         OnSurface::new(self.constraint.kernel(), OneByOne, self.effects.forces(), self.count)
     }

@@ -73,8 +73,11 @@ impl<B: Method> Composition<B> {
 impl<B: Method> Method for Composition<B> {
     type Memory<T: Scalar> = B::Memory<T>;
     type Need = B::Need;
+    const HAS_STRUCTURE: bool = B::HAS_STRUCTURE;
     const FOLLOWS_ROOTS: bool = B::FOLLOWS_ROOTS;
+    const CHECKS: bool = B::CHECKS;
     const DRAWS: bool = B::DRAWS;
+    const STIRS: bool = B::STIRS;
 
     fn step_size(&self) -> f64 {
         self.base.step_size()
@@ -91,11 +94,18 @@ impl<B: Method> Method for Composition<B> {
     fn is_symmetric(&self) -> bool {
         self.base.is_symmetric()
     }
+    fn undivided(&self) -> Option<&'static str> {
+        self.base.undivided()
+    }
+    // Stages know of one place for flows, not of one in each step of the base.
     const SPLITTING: Splitting = match B::SPLITTING {
-        Splitting::Not => Splitting::Not,
-        Splitting::OneStage | Splitting::Stages => Splitting::Stages,
+        Splitting::OneStage | Splitting::Stages if !B::STIRS => Splitting::Stages,
+        _ => Splitting::Not,
     };
     fn stages(&self) -> Vec<Stage> {
+        if const { B::STIRS } {
+            return Vec::new();
+        }
         let of_each = self.coefficients.gammas.iter();
         of_each.flat_map(|gamma| self.base.with_step(gamma * self.base.step_size()).stages()).collect()
     }

@@ -121,8 +121,11 @@ impl<B: Method> Variable<B> {
 impl<B: Method> Method for Variable<B> {
     type Memory<T: Scalar> = Vec<T>;
     type Need = (B::Need, Steps, WithRates);
+    const HAS_STRUCTURE: bool = B::HAS_STRUCTURE;
     const FOLLOWS_ROOTS: bool = B::FOLLOWS_ROOTS;
+    const CHECKS: bool = B::CHECKS;
     const DRAWS: bool = B::DRAWS;
+    const STIRS: bool = B::STIRS;
 
     fn step_size(&self) -> f64 {
         self.base.step_size()
@@ -138,6 +141,9 @@ impl<B: Method> Method for Variable<B> {
     }
     fn is_symmetric(&self) -> bool {
         false // only together with what it remembers
+    }
+    fn undivided(&self) -> Option<&'static str> {
+        self.base.undivided()
     }
 
     fn check(&self, equations: usize) -> Result<(), Error> {
