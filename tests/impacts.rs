@@ -6,7 +6,8 @@ use rattle::effect::{HardSpheres, Stop};
 use rattle::error::StepFailure;
 use rattle::potentials::Gravity;
 use rattle::prelude::*;
-use rattle::watch::Each;
+use rattle::system::System;
+use rattle::watch::{Each, Observer};
 
 constraint! {
     /// A piston on a line.
@@ -54,6 +55,18 @@ constraint! {
     /// To the right of a wall.
     struct Left {}
     |x| x
+}
+
+constraint! {
+    /// To the right of a wall at x = -1/2.
+    struct Half {}
+    |x, _y, _z| x + 1/2
+}
+
+constraint! {
+    /// Above a floor that is out of reach.
+    struct Low {}
+    |_x, _y, z| z + 10
 }
 
 constraint! {
@@ -286,4 +299,77 @@ fn long_steps_do_not_lead_through() {
         }
     }
     assert!(met > 250, "{met}");
+}
+
+/// Cosine and a wall: contacts at 2π/3 and every 4π/3 from there on, however long steps are, for bodies that come back
+/// within a step to where they were, too.
+#[test]
+fn contacts_of_a_whole_round_within_a_step_are_met() {
+    use rattle::potentials::Harmonic;
+    const FULL: f64 = 2.0 * std::f64::consts::PI;
+    let scene = Scene::point().with(Harmonic { stiffness: 1.0, centre: [0.0; 3] });
+    fn meets<S: Method>(h: f64, simulation: Result<Simulation<impl System<f64, 3>, S, 3>, Error>) -> u64 {
+        let mut simulation = simulation.unwrap().collide(Stop::above(Half {})).unwrap();
+        simulation.run((40.0 / h) as u64).unwrap();
+        let exact = ((simulation.time() - FULL / 3.0) / (2.0 * FULL / 3.0)).floor() as u64 + 1;
+        assert!(simulation.energy_error().abs() < 1e-6, "{}", simulation.energy_error());
+        assert_eq!(simulation.events(), exact, "h = {h}");
+        exact
+    }
+    let start = || State::at([1.0, 0.0, 0.0]);
+    let mut met = 0;
+    for h in [0.1, 0.5, 2.0, 4.9, 5.0, 6.0, FULL, 8.1, 9.0, 2.0 * FULL, 13.0] {
+        met += meets(h, scene.simulate(start(), Dop853::adaptive(h, 1e-10)));
+        met += meets(h, scene.simulate(start(), Taylor::adaptive(20, h, 1e-15)));
+    }
+    assert!(met > 2 * 11 * 7, "{met}");
+}
+
+/// Two beads on a circle: who comes round hits the other, which goes on with the same speed.
+#[test]
+fn beads_that_go_round_within_a_step_meet() {
+    let sphere = Scene::on(rattle::surfaces::Sphere { r: 1.0 }).bodies(2);
+    let start = || State::of([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]).with_momenta([[0.0, 1.0, 0.0], [0.0; 3]]);
+    // They touch at this angle, and the gaps on both sides add up to 2π less two of these.
+    let touch = 2.0 * (0.25_f64).asin();
+    let exact = |time: f64| {
+        ((time - (std::f64::consts::PI - touch)) / (2.0 * (std::f64::consts::PI - touch))).floor() as u64 + 1
+    };
+    for h in [0.7, 4.0, 5.0, 7.0, 9.0] {
+        let balls = sphere.simulate(start(), Dop853::adaptive(h, 1e-10)).unwrap();
+        let mut balls = balls.collide(HardSpheres::new(0.5)).unwrap();
+        balls.run((50.0 / h) as u64).unwrap();
+        assert_eq!(balls.events(), exact(balls.time()), "h = {h}");
+        let balls = sphere.simulate(start(), Geodesic::new(40, h)).unwrap();
+        let mut balls = balls.collide(HardSpheres::new(0.5)).unwrap();
+        balls.run((50.0 / h) as u64).unwrap();
+        assert_eq!(balls.events(), exact(balls.time()), "Geodesic, h = {h}");
+    }
+}
+
+/// Where walls are out of reach, looking for them changes no bit, nor what observers hear.
+#[test]
+fn walls_out_of_reach_change_nothing_in_long_steps() {
+    #[derive(Default, Debug, PartialEq, Clone)]
+    struct Heard(Vec<u64>);
+    impl Observer<3> for Heard {
+        fn see(&mut self, _: &Sight<'_, 3>, now: &Sight<'_, 3>) {
+            self.0.extend(now.positions[0].iter().map(|x| x.to_bits()));
+        }
+        fn join(&mut self, _: Self) {}
+        fn position_multiplier(&mut self, _: usize, lambda: f64) {
+            self.0.push(lambda.to_bits());
+        }
+    }
+    let scene = Scene::on(rattle::surfaces::Sphere { r: 1.0 }).with(Gravity { g: 0.3 });
+    let simulation = || {
+        scene
+            .simulate(State::at([1.0, 0.0, 0.0]).moving([0.0, 0.8, 0.6]), Dop853::adaptive(5.0, 1e-10))
+            .unwrap()
+    };
+    let (mut free, mut walled) = (simulation(), simulation().collide(Stop::above(Low {})).unwrap());
+    let [mut a, mut b] = [(); 2].map(|()| Heard::default());
+    free.observe(20, 1, &mut a).unwrap();
+    walled.observe(20, 1, &mut b).unwrap();
+    assert_eq!(a, b);
 }

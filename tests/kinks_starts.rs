@@ -168,3 +168,23 @@ fn an_edge_that_is_met_exactly() {
     over.run(5).unwrap();
     assert!(distance(over.position(), [-0.05, 0.02, -0.025]) < 1e-15 && over.events() == 1);
 }
+
+constraint! {
+    /// A valley.
+    struct Vee {}
+    |x, y| y - abs(x)
+}
+
+/// A step that would end on an edge, to the bit or nearly, names it.
+#[test]
+fn steps_that_end_on_an_edge_name_it() {
+    let scene = Scene::on(Vee {}).with(rattle::potentials::planar::Gravity { g: 1.0 });
+    for h in [0.1, 0.2, 0.13] {
+        for at in [1.0, 1.01] {
+            let error = scene.simulate(State::at([-at, at]), Rattle::new(h)).unwrap().run(80).unwrap_err();
+            assert_eq!(kink(error).1, "x", "{h} {at}");
+        }
+    }
+    let error = scene.simulate(State::at([-1.0, 1.0]), Geodesic::new(20, 8.0)).unwrap().run(80).unwrap_err();
+    assert_eq!(kink(error).1, "x");
+}

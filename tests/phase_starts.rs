@@ -128,3 +128,20 @@ fn equations_that_repeat_each_other_are_told() {
     let error = once.project(&State::at([0.0, 0.0])).unwrap_err().to_string();
     assert!(error.contains("equation 0 has no gradient"), "{error}");
 }
+
+/// Fibres of equations that do not commute lead off g = 0: `project` says so, as `simulate` does, and gives no start
+/// that is refused.
+#[test]
+fn equations_that_do_not_commute_are_told_by_projections() {
+    phase_constraint! {
+        struct Two {}
+        |q: [f64; 3], p: [f64; 3]| [dot(q, q) - 1 + 0.1 * p[0] * p[1], q[2] - 0.3 * q[0] + 0.05 * p[2] * q[1]]
+    }
+    hamiltonian! {
+        struct Free {}
+        |q: [f64; 3], p: [f64; 3]| dot(p, p) / 2 + 0.3 * q[1] * q[0]
+    }
+    let start = State::at([0.8, 0.5, 0.25]).moving([0.3, -0.4, 0.2]);
+    let error = Scene::in_phase_space(Two {}, Free {}).project(&start).err().unwrap().to_string();
+    assert!(error.contains("not coisotropic"), "{error}");
+}

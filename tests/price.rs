@@ -214,7 +214,7 @@ fn what_limits_accuracy_is_named() {
         Err(Error::Price(PriceMistake::Unreachable { limit: Limit::Budget { seconds }, best, .. })) => {
             assert!(seconds == 0.01 && best > 1e-11);
         }
-        Err(Error::Price(PriceMistake::Late { budget })) => assert_eq!(budget, 0.0075),
+        Err(Error::Price(PriceMistake::Late { budget })) => assert_eq!(budget, 0.01),
         other => panic!("{other:?}"),
     }
     let start = State::at([2.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);

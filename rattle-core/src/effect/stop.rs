@@ -17,6 +17,9 @@ use std::fmt;
 /// Stop::below(Rod { length: 1.0 }).over([[0, 1]])      a string, at most so long
 /// ```
 ///
+/// A step that leads all through a body that is not convex, as through both sides of a ring, may meet neither: steps
+/// are to be shorter than what bodies pass through, see [`Contacts`].
+///
 /// ```
 /// use rattle::{effect::Stop, potentials::planar::Gravity, prelude::*};
 ///

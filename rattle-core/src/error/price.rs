@@ -62,13 +62,14 @@ pub enum PriceMistake {
         off: f64,
     },
     /// No method reaches the wanted error.
-    #[error("an error of {wish:.1e} {what} cannot be had: the best is {best:.1e}, by {method}; {limit}")]
+    #[error("an error of {wish:.1e} {what} cannot be had{}; {limit}", best_of(*.wish, *.best, .method))]
     Unreachable {
         /// The wanted error.
         wish: f64,
         /// The quantity: "in position", …
         what: String,
-        /// The least error that was measured, on the whole duration.
+        /// The least error that was measured, on the whole duration, or on as much of it as can be told; NaN where none
+        /// was.
         best: f64,
         /// The method of this error.
         method: String,
@@ -80,6 +81,11 @@ pub enum PriceMistake {
 /// A tolerance, as part of a sentence.
 pub(super) fn with_tolerance(tolerance: Option<f64>) -> String {
     tolerance.map_or_else(String::new, |tolerance| format!(" and a tolerance of {}", Short(tolerance)))
+}
+
+/// The best that was measured, as part of a sentence. An error as small as was wished for is one of a shorter time.
+fn best_of(wish: f64, best: f64, method: &str) -> String {
+    if best > wish { format!(": the best is {best:.1e}, by {method}") } else { String::new() }
 }
 
 /// What limits accuracy.

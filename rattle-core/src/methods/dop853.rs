@@ -129,19 +129,21 @@ impl Method for Dop853 {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let n = bodies.q.as_ref().len();
-        bodies.with_room(ROOM, |bodies, saved, room| {
-            self.steps(system, bodies, saved, room, witness)?;
+        let inner_steps = bodies.with_room(ROOM, |bodies, saved, room| {
+            let inner_steps = self.steps(system, bodies, saved, room, witness)?;
             if W::LISTENS {
                 let (_, rates) = system;
                 rates.evaluate_rates(bodies, &mut room[..n], &mut AtEnd(witness));
             }
-            Ok(())
-        })
+            Ok(inner_steps)
+        })?;
+        bodies.note_inner_steps(inner_steps);
+        Ok(())
     }
 }
 
 impl Dop853 {
-    /// One step, or inner ones that make it up.
+    /// One step, or inner ones that make it up; returns how many.
     fn steps<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
@@ -149,14 +151,14 @@ impl Dop853 {
         saved: &mut Saved<Y::Count, T, D>,
         room: &mut [[T; D]],
         witness: &mut W,
-    ) -> Result<(), Failure> {
+    ) -> Result<u32, Failure> {
         let mut stages = Stages::begin(system, bodies, saved, room, witness);
         let Some(tolerance) = self.tolerance else {
             stages.evaluate::<true, _>(system, bodies, self.h)?;
             let landed = stages.arrive(system, bodies, self.h)?;
-            return look_inside(self, [self.h; 2], system.0, stages.start, bodies, landed);
+            return look_inside(self, [self.h; 2], system.0, stages.start, bodies, landed).map(|()| 1);
         };
-        let (mut left, mut inner, mut made) = (self.h, self.h, 0.0_f64);
+        let (mut left, mut inner, mut made, mut number) = (self.h, self.h, 0.0_f64, 0_u32);
         loop {
             let last = inner.abs() >= left.abs();
             if last {
@@ -176,8 +178,9 @@ impl Dop853 {
                     continue;
                 }
                 look_inside(self, [left, inner], system.0, stages.start, bodies, landed)?;
+                number = number.saturating_add(1);
                 if last {
-                    return Ok(());
+                    return Ok(number);
                 }
                 left -= inner;
                 made = made.max(inner.abs());

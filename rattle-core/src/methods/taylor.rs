@@ -146,14 +146,16 @@ impl Method for Taylor {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let n = bodies.q.as_ref().len();
-        bodies.with_room(self.coefficients() + FEW + LED, |bodies, saved, room| {
-            self.steps(system, bodies, saved, room, witness)?;
+        let inner_steps = bodies.with_room(self.coefficients() + FEW + LED, |bodies, saved, room| {
+            let inner_steps = self.steps(system, bodies, saved, room, witness)?;
             if W::LISTENS {
                 let (_, rates, _) = system;
                 rates.evaluate_rates(bodies, &mut room[..n], &mut AtEnd(witness));
             }
-            Ok(())
-        })
+            Ok(inner_steps)
+        })?;
+        bodies.note_inner_steps(inner_steps);
+        Ok(())
     }
 }
 
@@ -163,7 +165,7 @@ impl Taylor {
         self.order as usize + 2
     }
 
-    /// One step, or inner ones that make it up.
+    /// One step, or inner ones that make it up; returns how many.
     fn steps<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
@@ -171,7 +173,7 @@ impl Taylor {
         start: &mut Saved<Y::Count, T, D>,
         room: &mut [[T; D]],
         witness: &mut W,
-    ) -> Result<(), Failure> {
+    ) -> Result<u32, Failure> {
         let (_, _, motion) = system;
         let n = bodies.q.as_ref().len();
         let (series, rest) = room.split_at_mut(self.coefficients() * n);
@@ -180,8 +182,9 @@ impl Taylor {
         motion.expand(bodies, series, witness);
         let Some(tolerance) = self.tolerance else {
             let landed = self.arrive(system, bodies, start, (series, led), self.h)?;
-            return look_inside(self, [self.h; 2], system.0, start, bodies, landed);
+            return look_inside(self, [self.h; 2], system.0, start, bodies, landed).map(|()| 1);
         };
+        let mut number = 0_u32;
         let (mut left, mut short, mut most) = (self.h, 0, (f64::INFINITY, 0, tolerance));
         let mut made = 0.0_f64;
         loop {
@@ -221,8 +224,9 @@ impl Taylor {
                 let cause = MethodFailure::StepsCollapse { inner, h: self.h, error: off, tolerance };
                 return Err(Failure { body: 0, cause: cause.into() });
             }
+            number = number.saturating_add(1);
             if last && inner == whole {
-                return Ok(());
+                return Ok(number);
             }
             left -= inner;
             made = made.max(inner.abs());

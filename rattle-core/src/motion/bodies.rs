@@ -156,6 +156,8 @@ pub(crate) struct Room<N: Count, T: Scalar, const D: usize> {
     saved: Saved<N, T, D>,
     /// Whole sets of one vector per body.
     vectors: Vec<[T; D]>,
+    /// In how many inner steps the last step went of a method that divides its steps.
+    inner_steps: u32,
 }
 
 impl<N: Count, T: Scalar, X, const D: usize> Bodies<N, T, X, D> {
@@ -213,8 +215,10 @@ impl<N: Count, T: Scalar, X, const D: usize> Bodies<N, T, X, D> {
     /// Makes room for so many vectors per body, beside what is there.
     pub(crate) fn make_room(&mut self, vectors: usize) {
         let length = vectors * self.q.as_ref().len();
-        let mut room =
-            self.room.take().unwrap_or_else(|| Box::new(Room { saved: self.saved(), vectors: Vec::new() }));
+        let mut room = self
+            .room
+            .take()
+            .unwrap_or_else(|| Box::new(Room { saved: self.saved(), vectors: Vec::new(), inner_steps: 1 }));
         if room.vectors.len() < length {
             room.vectors.resize(length, [T::from_f64(0.0); D]);
         }
@@ -234,12 +238,23 @@ impl<N: Count, T: Scalar, X, const D: usize> Bodies<N, T, X, D> {
             Some(room) if room.vectors.len() >= length => room,
             _ => {
                 let vectors = vec![[T::from_f64(0.0); D]; length];
-                Box::new(Room { saved: self.saved(), vectors })
+                Box::new(Room { saved: self.saved(), vectors, inner_steps: 1 })
             }
         };
         let done = work(self, &mut room.saved, &mut room.vectors[..length]);
         self.room = Some(room);
         done
+    }
+
+    /// Notes in how many inner steps a step went.
+    #[inline(always)]
+    pub(crate) fn note_inner_steps(&mut self, number: u32) {
+        self.room.iter_mut().for_each(|room| room.inner_steps = number);
+    }
+
+    /// In how many inner steps the last step went: in one, where a method does not divide its steps.
+    pub(crate) fn inner_steps(&self) -> u32 {
+        self.room.as_ref().map_or(1, |room| room.inner_steps)
     }
 
     /// Positions, what rounding took from them, momenta, and what rounding took from these.

@@ -17,6 +17,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// There momenta change by the impulse of the contact, and the rest of the step follows. Contacts that close at the
     /// same instant are handled in the order in which they were given. A fast body does not pass through another: the
     /// gap is searched for a zero wherever its tangents at the two ends of a step meet below zero (see [`Contacts`]).
+    /// Where velocities at the ends of a step do not tell where bodies go in between, as where they go round within a
+    /// long step of [`Dop853`](crate::methods::dop853::Dop853), it is searched in parts that are short enough.
     ///
     /// Impulses respect constraints and masses. Elastic impulses conserve the kinetic energy to rounding; the energy
     /// lost in others counts as negative [`work`](Self::work), and what moving constraints do in an impact as work.
@@ -133,7 +135,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let bodies = self.bodies();
         self.goes_again = true;
         self.events.get_or_insert_with(|| {
-            let (start, aside) = (self.before.clone(), [self.before.clone(), self.before.clone()]);
+            let (start, aside) = (self.before.clone(), [(); 3].map(|()| self.before.clone()));
             Box::new(Events { meet: Search::meet, search: Search::among(bodies), number: 0, start, aside })
         })
     }

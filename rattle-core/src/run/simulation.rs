@@ -496,19 +496,23 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// Where the bodies could not be moved, and a constraint has a kink on their way, the failure is that.
     fn look_for_kinks(&mut self, failure: &mut Failure) {
-        let h = self.method.step_size();
-        if const { S::RENEWS }
-            && let Some(renewal) = self.method.renewal()
-        {
-            self.bodies.noise = self.noise();
-            brownian::coast(renewal, h, &self.system, &mut self.bodies);
-        } else {
-            self.system.coast(h, &mut self.bodies);
+        // And a little farther: a step that ends on a kink is not beyond it.
+        for h in [1.0, 1.0 + 1.0 / 1024.0].map(|share| share * self.method.step_size()) {
+            if const { S::RENEWS }
+                && let Some(renewal) = self.method.renewal()
+            {
+                self.bodies.noise = self.noise();
+                brownian::coast(renewal, h, &self.system, &mut self.bodies);
+            } else {
+                self.system.coast(h, &mut self.bodies);
+            }
+            let kink = kink_ahead(&self.system, &self.before, &mut self.bodies);
+            self.put_back();
+            if let Some(kink) = kink {
+                *failure = kink;
+                return;
+            }
         }
-        if let Some(kink) = kink_ahead(&self.system, &self.before, &mut self.bodies) {
-            *failure = kink;
-        }
-        self.put_back();
     }
 
     /// Compares the step just made, in so many parts, with the way back, if that is asked for.

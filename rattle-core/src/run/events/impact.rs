@@ -48,7 +48,7 @@ fn impact<Y: System<f64, D>, S: Method, const D: usize>(
     which: WhichContact,
     stretch: &mut Stretch<'_, Y, S, D>,
 ) -> Result<(), Trouble> {
-    let (system, bodies, [before, _]) = (stretch.system, &mut *stretch.bodies, &mut *stretch.aside);
+    let (system, bodies, [before, ..]) = (stretch.system, &mut *stretch.bodies, &mut *stretch.aside);
     system.put_aside(bodies, before);
     // Where constraints move, P is that of a change of momenta.
     let moves = system.moves_with_time();

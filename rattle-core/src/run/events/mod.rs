@@ -18,6 +18,7 @@
 mod edge;
 mod impact;
 mod meeting;
+mod resolved;
 mod stretch;
 
 use crate::motion::bodies::Saved;
@@ -46,7 +47,7 @@ pub(in crate::run) struct Events<Y: System<f64, D>, S: Method, const D: usize> {
     /// How many there were.
     pub(in crate::run) number: u64,
     pub(in crate::run) start: Saved<Y::Count, f64, D>,
-    pub(in crate::run) aside: [Saved<Y::Count, f64, D>; 2],
+    pub(in crate::run) aside: [Saved<Y::Count, f64, D>; 3],
 }
 
 /// What is looked for.
@@ -126,6 +127,61 @@ impl<const D: usize> Search<D> {
     /// The first event of a stretch of this length, and when it comes; bodies are then there, or, without one, at the
     /// end.
     fn first<Y: System<f64, D>, S: Method>(
+        &mut self,
+        stretch: &mut Stretch<'_, Y, S, D>,
+        length: f64,
+        went: Result<(), Trouble>,
+    ) -> Result<Option<(Event, f64)>, Trouble> {
+        if went.is_ok() && !self.meetings.kinds.is_empty() && !self.is_resolved(stretch, length) {
+            self.first_in_parts(stretch, length)
+        } else {
+            self.first_in_one(stretch, length, went)
+        }
+    }
+
+    /// The same of a stretch whose ends do not tell where bodies are in between: parts are gone that do, half as long
+    /// and half again. Where nothing happens in them, the stretch is gone as if nobody had looked.
+    #[cold]
+    #[inline(never)]
+    fn first_in_parts<Y: System<f64, D>, S: Method>(
+        &mut self,
+        stretch: &mut Stretch<'_, Y, S, D>,
+        length: f64,
+    ) -> Result<Option<(Event, f64)>, Trouble> {
+        let noise = stretch.noise;
+        stretch.system.put_aside(stretch.start, &mut stretch.aside[2]);
+        'shorter: for halved in 1..=SHORTENED {
+            let parts = 1_u32 << halved;
+            let part = length / f64::from(parts);
+            stretch.begin_again(noise);
+            for gone in 0..parts {
+                let went = stretch.go(part);
+                if went.is_ok() && halved < SHORTENED && !self.is_resolved(stretch, part) {
+                    continue 'shorter;
+                }
+                if self.first_in_one(stretch, part, went)?.is_none() {
+                    stretch.begin_unheard();
+                    continue;
+                }
+                // Once more, for those who hear of every part.
+                stretch.begin_again(noise);
+                for _ in 0..gone {
+                    stretch.go(part)?;
+                    stretch.begin();
+                }
+                let went = stretch.go(part);
+                let event = self.first_in_one(stretch, part, went)?;
+                return Ok(event.map(|(event, after)| (event, f64::from(gone) * part + after)));
+            }
+            break;
+        }
+        stretch.begin_again(noise);
+        stretch.go(length)?;
+        Ok(None)
+    }
+
+    /// The same of a stretch whose ends tell where bodies are in between.
+    fn first_in_one<Y: System<f64, D>, S: Method>(
         &mut self,
         stretch: &mut Stretch<'_, Y, S, D>,
         length: f64,

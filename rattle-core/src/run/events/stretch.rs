@@ -25,8 +25,8 @@ pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usi
     pub(in crate::run) start: &'a mut Saved<Y::Count, f64, D>,
     /// Which random numbers come first there.
     pub(in crate::run) noise: Noise,
-    /// Room for two more places.
-    pub(in crate::run) aside: &'a mut [Saved<Y::Count, f64, D>; 2],
+    /// Room for two more places, and for where a stretch began that is looked at in parts.
+    pub(in crate::run) aside: &'a mut [Saved<Y::Count, f64, D>; 3],
     pub(in crate::run) witness: &'a mut dyn Hears<f64>,
     /// How often a try is halved at least, and where it fails at most.
     pub(in crate::run) halvings: RangeInclusive<u32>,
@@ -104,8 +104,19 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
 
     /// Begins anew where bodies are.
     pub(super) fn begin(&mut self) {
+        self.begin_unheard();
+        self.witness.keep();
+    }
+
+    /// The same, where it is not known yet whether the way so far will be gone.
+    pub(super) fn begin_unheard(&mut self) {
         self.system.put_aside(self.bodies, self.start);
         self.noise = self.bodies.noise;
-        self.witness.keep();
+    }
+
+    /// Begins where a stretch began that is looked at in parts, with these random numbers first.
+    pub(super) fn begin_again(&mut self, noise: Noise) {
+        self.system.put_aside(&self.aside[2], self.start);
+        self.noise = noise;
     }
 }

@@ -242,7 +242,13 @@ fn choose(
     let begun = allowance.clock.now();
     let ladders = Allowance { budget: FOR_LADDERS * allowance.budget, ..allowance.clone() };
     let aim = Aim { what, error: AIM * wish };
-    let measured = measure(scene, duration, &ladders, Some(aim), &mut |part| tell(FOR_LADDERS * part))?;
+    let measured = measure(scene, duration, &ladders, Some(aim), &mut |part| tell(FOR_LADDERS * part));
+    let measured = measured.map_err(|error| match error {
+        Error::Price(PriceMistake::Late { .. }) => {
+            Error::Price(PriceMistake::Late { budget: allowance.budget })
+        }
+        other => other,
+    })?;
     let runner = Runner { scene, clock: &allowance.clock, deadline: begun + allowance.budget };
     let prices = &measured.prices;
     if what == Quantity::Position && lost(prices) || uncertain(prices, what).is_some_and(|by| by > wish) {

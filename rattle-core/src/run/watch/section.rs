@@ -8,9 +8,11 @@ use nalgebra::SVector;
 ///
 /// Between two sights the path of a body is the cubic through both positions with the velocities there (Hermite
 /// interpolation), off by up to h⁴/384 times the fourth derivative of q. Momenta are interpolated by parabolas, bent by
-/// the change of ṗ: off by up to h³/96 times their third derivative. The crossing is where s is zero on that path. A
-/// crossing evaluates velocities and forces at both sights, and allocates. Momenta of staggered methods, as
-/// [`Leapfrog`](crate::methods::leapfrog::Leapfrog), are those of half a step beside the time of the crossing.
+/// the change of forces: off by up to h³/96 times their third derivative. Forces of velocities or time and drag, which
+/// a [flow](crate::effect::Flow) gives, bend no parabola: what they add to momenta is off by up to h²/8 times its
+/// second derivative. The crossing is where s is zero on that path. A crossing evaluates velocities and forces at both
+/// sights, and allocates. Momenta of staggered methods, as [`Leapfrog`](crate::methods::leapfrog::Leapfrog), are those
+/// of half a step beside the time of the crossing.
 ///
 /// Where momenta [jump](Observer::jump) between two sights, at impacts and edges, the path ends at the jump and begins
 /// anew there. If s itself passes zero by the jump, the crossing is at its instant, with the momenta after it.
@@ -154,7 +156,7 @@ impl<const D: usize> Crossing<D> {
             let curve = v0[body] * (h * t * rest * rest) - v1[body] * (h * t * t * rest);
             self.positions[body] =
                 q0 * ((1.0 + 2.0 * t) * rest * rest) + q1 * (t * t * (3.0 - 2.0 * t)) + curve;
-            // What both ends have in common, flows too, the change of p has in it.
+            // What flows give at both ends alike is in the change of p; how that changes is left out.
             let (p0, p1) = (before.momenta[body], now.momenta[body]);
             self.momenta[body] = p0 * rest + p1 * t + (f0[body] - f1[body]) * (0.5 * h * t * rest);
         }

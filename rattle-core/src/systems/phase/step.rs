@@ -111,6 +111,20 @@ pub(super) fn worst<const M: usize>(x: &[f64; M], sizes: &[f64; M]) -> (usize, f
     worst
 }
 
+/// Whether the brackets of all equations are zero.
+fn commute<const D: usize, const M: usize>(level: &Level<D, M>) -> Result<(), PhaseMistake> {
+    for second in 1..M {
+        for first in 0..second {
+            let (bracket, size) = level.bracket(first, second);
+            if bracket.is_nan() || bracket.abs() > START_TOLERANCE * size {
+                let share = bracket.abs() / size;
+                return Err(PhaseMistake::NotCoisotropic { first, second, bracket, share });
+            }
+        }
+    }
+    Ok(())
+}
+
 impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
     pub(super) fn hidden<const D: usize>(&self, at: &Point<D>) -> Hidden<D, M>
     where
@@ -178,15 +192,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             let (value, share) = (level.value[equation], off * f64::EPSILON);
             return mistake(PhaseMistake::Off { equation, value, share, tolerance: START_TOLERANCE });
         }
-        for second in 1..M {
-            for first in 0..second {
-                let (bracket, size) = level.bracket(first, second);
-                if bracket.is_nan() || bracket.abs() > START_TOLERANCE * size {
-                    let share = bracket.abs() / size;
-                    return mistake(PhaseMistake::NotCoisotropic { first, second, bracket, share });
-                }
-            }
-        }
+        commute(&level).map_err(StartFailure::Phase)?;
         if hidden.is_undetermined(&level, &at) {
             let slopes = hidden.slopes.concat();
             return mistake(level.dependent(&at).unwrap_or(PhaseMistake::Undetermined { slopes }));
@@ -224,10 +230,12 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         let (mut at, mut distances, mut nearing) = (start, Vec::new(), Nearing::leaving(f64::INFINITY));
         let mut failure = None;
         for _ in 0..MAX_PROJECTION_STEPS {
-            let Level { value, gradients, size, .. } = Level::of(&self.constraint, &at, &at);
+            let level = Level::of(&self.constraint, &at, &at);
+            let Level { value, gradients, size, .. } = level;
             let (_, roundings) = worst(&value, &size);
             if nearing.look(roundings, roundings <= 1.0, roundings <= NOISE).0 {
-                match self.slide_from_afar(&at) {
+                // Else fibres lead off g = 0.
+                match commute(&level).and_then(|()| self.slide_from_afar(&at)) {
                     Ok(change) => return Ok(at.plus(&change)),
                     Err(mistake) => failure = Some(mistake),
                 }
