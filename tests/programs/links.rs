@@ -12,6 +12,8 @@ mod linked_ends;
 mod linked_errors;
 #[path = "../linked_starts.rs"]
 mod linked_starts;
+#[path = "../linked_toggles.rs"]
+mod linked_toggles;
 #[path = "../linked_ways.rs"]
 mod linked_ways;
 #[path = "../memory.rs"]

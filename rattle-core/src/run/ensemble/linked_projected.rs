@@ -11,9 +11,9 @@
 //!
 //! **Whether a step can be believed** is asked of each inner one, as a simulation asks it
 //! ([`crate::motion::course`]): on the quintic of places, velocities and accelerations at both ends all equations must
-//! be as small as along one sheet, no normal may turn over, links must not come to depend on each other, bodies must go
-//! where their velocities lead, and kinetic energy must not change by what forces did not give. A lane for which one of
-//! these does not hold takes the whole step by itself.
+//! be as small as along one sheet, no normal may turn over, nor may all of them together ([`crate::systems::linked`]),
+//! links must not come to depend on each other, bodies must go where their velocities lead, and kinetic energy must not
+//! change by what forces did not give. A lane for which one of these does not hold takes the whole step by itself.
 
 use crate::methods::dop853::Dop853;
 use crate::methods::dop853_table::STAGES;
@@ -340,6 +340,15 @@ impl<'a, const W: usize> Desk<'a, W> {
                 let (over, pivot) = (over.0[l].0, pivot.0[l].0);
                 let clear = (0.0 < over) & (over * pivot <= PIVOT);
                 plain[l] = if clear & (0.0 < slope.0[l].0) { plain[l] } else { 0 };
+            }
+        }
+        // Whether all normals together turn over: by those of both ends.
+        numbers[gradient..gradient + normals.len()].swap_with_slice(normals);
+        plan.factor.carry_out(numbers);
+        numbers[gradient..gradient + normals.len()].swap_with_slice(normals);
+        for over in &numbers[inverse..inverse + plan.equations] {
+            for l in 0..W {
+                plain[l] = if 0.0 < over.0[l].0 { plain[l] } else { 0 };
             }
         }
         for s in INSIDE {

@@ -3,9 +3,12 @@
 //!
 //! Two signs show that it may be on others, as on surfaces ([`crate::systems::surface::sheets`]): gradients change if
 //! bodies are displaced along them as far as the step may have gone wrong; or an equation *inside* the step, on a curve
-//! through its ends, is not as small as it is along one sheet. In either case bodies are moved along the curve in parts
-//! of the step, each with a step of RATTLE. If the step ended on another sheet, they arrive at another point. This
-//! allocates.
+//! through its ends, is not as small as it is along one sheet. A third one is that of links alone, which may be put
+//! together in several ways: near a toggle, where links come to depend on each other, the mirror image of an elbow is
+//! no gradient's way away, and the curve to it meets all equations. But with the gradients of one end and those of the
+//! other G M⁻¹Gᵀ has a pivot that is not positive there: its determinant has another sign for the mirror image. In
+//! each case bodies are moved along the curve in parts of the step, each with a step of RATTLE. If the step ended on
+//! another sheet, they arrive at another point. This allocates.
 //!
 //! The curve is Hermite's cubic, and where an equation is not small on it, the quartic that also matches the
 //! acceleration at the end.
@@ -49,7 +52,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         now.kept.tied.room.lift.fill([0.0; D]);
         self.take_ends(h, before, now);
         self.ask(before, now);
-        if now.kept.tied.asked.near {
+        if now.kept.tied.asked.near || self.turns_over(before, now) {
             return self.go_there(h, before, now);
         }
         if !self.is_off_inside(h, false, before, now) {
@@ -125,6 +128,20 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                     !rises // where it is not a number either
                 })
             })
+        })
+    }
+
+    /// Whether a pivot of G M⁻¹Gᵀ, with the gradients of both ends, is not positive: links turned by more than a right
+    /// angle, or are put together in another way.
+    fn turns_over(&self, before: &Saved<N, f64, D>, now: &mut BodiesOf<F, N, D>) -> bool {
+        let shape = &*self.shape;
+        let Tied { room, solvers, .. } = &mut now.kept.tied;
+        shape.components.iter().zip(solvers).enumerate().any(|(c, (component, solver))| {
+            let rows = &component.rows;
+            let blocks = &mut room.blocks[..rows.blocks()];
+            shape.gradients(c, before.time, before.q.as_ref(), &mut room.g, blocks, &mut room.rates);
+            let upright = solver.chord::<false>(rows, blocks, &shape.roots) > 0.0;
+            !upright // where it is not a number either
         })
     }
 
