@@ -32,6 +32,8 @@ mod lanes_projected_rigid;
 mod lanes_rigid;
 #[path = "../lanes_splittings.rs"]
 mod lanes_splittings;
+#[path = "../lanes_starts.rs"]
+mod lanes_starts;
 #[path = "../sweeps_linked.rs"]
 mod sweeps_linked;
 #[path = "../sweeps_rigid.rs"]

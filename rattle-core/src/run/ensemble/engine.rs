@@ -72,7 +72,8 @@ impl<const D: usize> Written<'_, D> {
     }
 }
 
-/// So many steps, after so many since the start, and where all lanes are to be written after them, if they are.
+/// So many steps, after so many since the start, and where all lanes are to be written after them, if they are. Of no
+/// steps it is not asked whether lanes are where they should be: one that goes by itself may hold no numbers.
 pub(crate) struct Leg<'a, const D: usize> {
     pub(crate) from: u64,
     pub(crate) steps: u64,
@@ -102,7 +103,8 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
     fn bodies_of_each(&self) -> usize;
     /// A copy.
     fn boxed(&self) -> Box<dyn Engine<D>>;
-    /// The engine where its lanes are after a tour, or one or more lanes that cannot go on it.
+    /// The engine where its lanes are after a tour, or one or more lanes that cannot go on it; never any if the tour is
+    /// of no steps.
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>>;
 
     /// Puts bodies, which are along the constraint, into a lane. False where the lane cannot hold them, or their

@@ -83,11 +83,14 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
     #[inline(always)]
     fn run(self) -> Result<(), Stuck> {
         let Self { course, mut pulling, apart, numbers, part, from, steps, looks } = self;
+        if steps == 0 {
+            return Ok(());
+        }
         let Course { plan, parts, equal, .. } = course;
         for c in 0..plan.coordinates {
             numbers[plan.places.trial + c] = numbers[plan.places.q + c]; // where pinned bodies stay
         }
-        if from == 0 && steps > 0 {
+        if from == 0 {
             course.look_around(0, &parts[*part], &[], numbers, &mut pulling)?;
         }
         let of_step = if *equal { 1 } else { parts.len() };

@@ -41,11 +41,14 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
 
     #[inline(always)]
     fn run(mut self) -> Result<(), Stuck> {
+        if self.steps == 0 {
+            return Ok(());
+        }
         let (from, end, looks) = (self.from, self.from + self.steps, self.looks);
         let Places { q, trial, way, .. } = self.course.plan.places;
         let (stirring, n, parts) = (self.stirring, self.course.plan.coordinates, self.course.parts.len());
         self.numbers.copy_within(q..q + n, trial); // where pinned bodies stay
-        if from == 0 && end > 0 {
+        if from == 0 {
             if self.stirring.rhythm.renews {
                 self.forget();
             }
@@ -63,7 +66,7 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
                 self.evaluate();
             }
         }
-        if self.steps > 0 && stirring.rhythm.renews {
+        if stirring.rhythm.renews {
             return self.check();
         }
         let way = &self.numbers[way..way + n];

@@ -91,7 +91,8 @@ where
         let Body { q, q_low, p, p_low } = bodies[0].map(S::from_f64);
         self.block.set(lane, &self.laws, &[self.drift], [q, q_low], [p, p_low]);
         self.limits[lane] = 0.0;
-        true // momenta of a start are nothing to its first step, so that each lane can hold any
+        // Momenta of a start are nothing to its first step, but are shown before it.
+        self.bodies(lane)[0].p.iter().all(|p| p.is_finite())
     }
 
     fn copy(&mut self, from: usize, to: usize) {

@@ -179,13 +179,14 @@ where
             (self.method.parts[self.part], self.guesses[self.part].before);
         let (system, moments) = (self.system(lane), self.laws.inertia.lane(lane).map(|x| x.0));
         let mut ahead = system.bodies(bodies, 0.0);
-        let mut holds = system.settle(lead, h, &mut ahead, &mut ()).is_ok();
+        let (mut holds, mut numbers) = (system.settle(lead, h, &mut ahead, &mut ()).is_ok(), true);
         for (rotor, Body { q, q_low, p, p_low }) in self.bodies.iter_mut().zip(ahead.all()) {
             let three = |p: &[f64; D]| -> [f64; 3] { from_fn(|i| unit * p[i]) };
             let (way, low) = (three(&p), three(&p_low));
             let v = moments.ahead(&way.map(|x| h / unit * x));
             let x = moments.rotation(&v);
-            holds &= x.is_some() && way.iter().sum::<f64>().is_finite();
+            holds &= x.is_some();
+            numbers &= way.iter().sum::<f64>().is_finite();
             let rest = x.map_or([0.0; 3], |x| moments.rest(&v, &x));
             let sums = |x: f64| if self.method.sums { Fused(x) } else { Fused(0.0) };
             put(&mut rotor.q, lane, from_fn(|k| Fused(q[k])));
@@ -195,7 +196,8 @@ where
             put(&mut rotor.guess, lane, rest.map(Fused));
             rotor.past.iter_mut().for_each(|past| put(past, lane, rest.map(|x| Fused(before * x))));
         }
-        holds || self.method.renewal.is_some() // momenta of a start are nothing to a step that draws others
+        // Momenta of a start are nothing to a step that draws others.
+        numbers && (holds || self.method.renewal.is_some())
     }
 
     fn copy(&mut self, from: usize, to: usize) {

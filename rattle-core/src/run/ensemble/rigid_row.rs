@@ -221,6 +221,9 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
     #[inline(always)]
     fn run(self) -> Result<(), Stuck> {
         let Self { course, mut pulling, bodies, kicks, part: number, from, steps } = self;
+        if steps == 0 {
+            return Ok(());
+        }
         let mut row = Row::new(course);
         for now in from + 1..=from + steps {
             for _ in 0..if course.equal { 1 } else { course.parts.len() } {

@@ -211,16 +211,19 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
 
     #[inline(always)]
     fn run(mut self) -> Result<(), Stuck> {
+        if self.steps == 0 {
+            return Ok(());
+        }
         let (rhythm, from, end) = (&self.stirring.rhythm, self.from, self.from + self.steps);
         let (row, parts) = (Row::new(self.course), self.course.parts.len());
         let mut stepping = Stepping { row, steps: &mut self };
-        if rhythm.renews && from == 0 && end > 0 {
+        if rhythm.renews && from == 0 {
             stepping.forget();
         }
         for steps in from..end {
             rhythm.step(&mut stepping, steps, parts)?;
         }
-        if self.steps > 0 && rhythm.renews { self.check() } else { finite(self.bodies) }
+        if rhythm.renews { self.check() } else { finite(self.bodies) }
     }
 }
 

@@ -496,7 +496,7 @@ where
                     look_around(&desk.block, &laws, parts, stirs.as_mut(), now)?;
                 }
             }
-            if shown || written.is_none() {
+            if steps > 0 && (shown || written.is_none()) {
                 desk.block.check(&laws, parts)?;
             }
             if let Some(written) = written {
