@@ -100,7 +100,7 @@ where
     for d in 0..D {
         gather(tableau, d, row, away, end);
     }
-    settle(laws, tableau.kick[N - 1], row, &away[0], &normal[N - 2], end, going);
+    settle(laws, tableau.kick[N - 1], row, &away[0], &normal[N - 2], size, end, going);
     stray(laws, tableau.h, row, &away[N - 1], end, size, going);
     may_go(&row.asked, &end.strays, going)
 }
@@ -505,7 +505,9 @@ fn gather<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: u
 }
 
 /// The last kick, and the momentum along the surface; then what is kept there. A lane whose normal has turned over
-/// since the stage before has to go by itself.
+/// since the stage before has to go by itself, and so has one that ends beside the surface: by more than the noise that
+/// may end its iteration, or that of g, which is evaluated with its gradient anyway.
+#[allow(clippy::too_many_arguments, reason = "slices that are arguments do not overlap")]
 #[inline(always)]
 fn settle<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
     laws: &impl Laws<S, D>,
@@ -513,16 +515,18 @@ fn settle<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: u
     row: &Row<S, L, D, SUMS, N>,
     kicked: &Vectors<S, L, D>,
     before: &Vectors<S, L, D>,
+    size: &[S; L],
     end: &mut End<S, L, D>,
     going: &mut [S; L],
 ) {
     let End { q, p, p_low, normal, total, lambda, .. } = end;
-    let [by_itself, least] = [BY_ITSELF, STAGES_ALIKE].map(S::from_f64);
+    let [by_itself, least, noise] = [BY_ITSELF, STAGES_ALIKE, NOISE * S::EPSILON].map(S::from_f64);
     for l in 0..L {
         let (q, old) = (at(q, l), at(&row.p, l));
-        let [gradient] = laws.constraint(l).borrow().jacobian(&q);
+        let ([g], [gradient]) = laws.constraint(l).borrow().value_and_jacobian(&q);
         let change = laws.kick(l, &q, kick, at(kicked, l));
-        let eta = -dot(&gradient, &sum(&old, &change)) / dot(&gradient, &gradient);
+        let (square, off) = (dot(&gradient, &gradient), noise * size[l]);
+        let eta = -dot(&gradient, &sum(&old, &change)) / square;
         let (new, low) = two_sum(&old, &add_scaled(&change, eta, &gradient));
         let (multiplier, pulled) = pull(laws, l, &q, &new, &gradient);
         put(p, l, new);
@@ -532,8 +536,8 @@ fn settle<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: u
         put(normal, l, gradient);
         put(total, l, pulled);
         lambda[l] = multiplier;
-        let upright = least.lt(alike(&at(before, l), &gradient));
-        going[l] = S::select(upright, going[l], by_itself);
+        let right = least.lt(alike(&at(before, l), &gradient)) & (g * g).le(off * off * square);
+        going[l] = S::select(right, going[l], by_itself);
     }
 }
 
