@@ -10,6 +10,8 @@ mod compositions;
 mod dop853;
 #[path = "../lobatto.rs"]
 mod lobatto;
+#[path = "../lobatto_ends.rs"]
+mod lobatto_ends;
 #[path = "../planted_faults.rs"]
 mod planted_faults;
 #[path = "../systems.rs"]

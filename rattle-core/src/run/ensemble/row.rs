@@ -101,6 +101,8 @@ pub(super) struct Scratch<S, const L: usize, const D: usize, const N: usize> {
     /// The largest displacement of a pass, and of the pass before.
     pub(super) moved: [S; L],
     pub(super) before: [S; L],
+    /// By which part the last one was smaller than the one before.
+    pub(super) rates: [S; L],
     /// How large places are along the normal, or the path; and how much displacements along each coordinate count.
     pub(super) size: [S; L],
     pub(super) counts: Vectors<S, L, D>,
@@ -138,6 +140,7 @@ impl<S: Lane, const L: usize, const D: usize, const N: usize> Scratch<S, L, D, N
             matrix: [[zero; N]; N],
             moved: zero,
             before: zero,
+            rates: zero,
             size: zero,
             counts: vectors,
             path: zero,
