@@ -75,7 +75,7 @@ fn undisturbed<P: Precision, C: Hold<D> + 'static, E: Effects<D>, N: Count, S: M
         one.run(steps);
         other.run(steps);
         assert_eq!(shown(&one), told(&one), "after {} steps", one.steps());
-        let [shown, beside] = [&one, &other].map(|of| shown(of));
+        let [shown, beside] = [&one, &other].map(shown);
         for &i in well {
             assert_eq!(shown[i], beside[i], "trajectory {i} after {} steps", one.steps());
         }

@@ -430,8 +430,9 @@ fn shift<S: Lane, const L: usize, const D: usize, const N: usize>(
     }
 }
 
-/// Which lanes rest now, and which go by themselves. What is left is told by the slower of the last two rates, since one
-/// lucky displacement is not the rate: by the last one alone some steps ended 20 and 30 roundings off. Returns whether one is still going.
+/// Which lanes rest now, and which go by themselves. What is left is told by the slower of the last two rates, since
+/// one lucky displacement is not the rate: by the last one alone some steps ended 20 and 30 roundings off. Returns
+/// whether one is still going.
 #[inline(always)]
 fn decide<S: Lane, const L: usize>(
     pass: usize,
