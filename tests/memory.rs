@@ -253,7 +253,7 @@ fn properties_of_a_base_are_those_of_what_is_made_of_it() {
     assert_eq!(properties(&variable), properties(&base));
 
     let scene = Scene::on(Ball { r: 1.0 });
-    let dragged = scene.clone().with(rattle::effect::LinearDrag::new(1.0));
+    let dragged = scene.with(rattle::effect::LinearDrag::new(1.0));
     let mut still =
         scene.simulate(start().moving([0.0, 1.0, 0.0]), Composition::new(SUZUKI_1990_ORDER_4, 0.01)).unwrap();
     let mut moved = dragged.simulate(start().moving([0.0, 1.0, 0.0]), composed).unwrap();
