@@ -361,15 +361,75 @@ fn walls_out_of_reach_change_nothing_in_long_steps() {
             self.0.push(lambda.to_bits());
         }
     }
-    let scene = Scene::on(rattle::surfaces::Sphere { r: 1.0 }).with(Gravity { g: 0.3 });
-    let simulation = || {
-        scene
-            .simulate(State::at([1.0, 0.0, 0.0]).moving([0.0, 0.8, 0.6]), Dop853::adaptive(5.0, 1e-10))
-            .unwrap()
-    };
-    let (mut free, mut walled) = (simulation(), simulation().collide(Stop::above(Low {})).unwrap());
-    let [mut a, mut b] = [(); 2].map(|()| Heard::default());
-    free.observe(20, 1, &mut a).unwrap();
-    walled.observe(20, 1, &mut b).unwrap();
-    assert_eq!(a, b);
+    fn alike<S: Method>(method: S) {
+        let scene = Scene::on(rattle::surfaces::Sphere { r: 1.0 }).with(Gravity { g: 0.3 });
+        let start = || State::at([1.0, 0.0, 0.0]).moving([0.0, 0.8, 0.6]);
+        let simulation = || scene.simulate(start(), method.clone()).unwrap();
+        let (mut free, mut walled) = (simulation(), simulation().collide(Stop::above(Low {})).unwrap());
+        let [mut a, mut b] = [(); 2].map(|()| Heard::default());
+        free.observe(20, 1, &mut a).unwrap();
+        walled.observe(20, 1, &mut b).unwrap();
+        assert_eq!(a, b, "{}", method.name());
+    }
+    alike(Dop853::adaptive(5.0, 1e-10));
+    alike(Taylor::adaptive(20, 5.0, 1e-12));
+    alike(Lobatto::<5>::new(0.7));
+    alike(Geodesic::new(20, 0.9));
+    alike(Bdf2::new(0.2));
+    alike(Composition::new(SUZUKI_1990_ORDER_4, 0.6));
+}
+
+/// Series of high order take steps of more than two periods.
+#[test]
+fn steps_of_several_periods_are_looked_at() {
+    use rattle::potentials::Harmonic;
+    const ROUND: f64 = 4.0 * std::f64::consts::PI / 3.0;
+    let scene = Scene::point().with(Harmonic { stiffness: 1.0, centre: [0.0; 3] });
+    let simulation = scene.simulate(State::at([1.0, 0.0, 0.0]), Taylor::adaptive(64, 15.5, 1e-15)).unwrap();
+    let mut simulation = simulation.collide(Stop::above(Half {})).unwrap();
+    simulation.run(400).unwrap();
+    let exact = ((simulation.time() - 0.5 * ROUND) / ROUND).floor() as u64 + 1;
+    assert_eq!(simulation.events(), exact);
+}
+
+/// Two balls on a spring meet as often where all of it flies.
+#[test]
+fn what_flies_together_meets_as_at_rest() {
+    pair_potential! {
+        struct Tie { k }
+        |r| k * (r - 2)^2 / 2
+    }
+    let scene = Scene::points::<3>(2).with(Tie { k: 0.5 });
+    let events = [0.0, 100.0].map(|v| {
+        let start = State::of([[0.0; 3], [3.0, 0.0, 0.0]]).with_momenta([[v, 0.1, 0.0], [v, -0.1, 0.0]]);
+        let balls = scene.simulate(start, Dop853::adaptive(4.5, 1e-6)).unwrap();
+        let mut balls = balls.collide(HardSpheres::new(1.2)).unwrap();
+        balls.run(20).unwrap();
+        balls.events()
+    });
+    assert!(events[0] > 15 && events[0] == events[1], "{events:?}");
+}
+
+/// Walls before an edge within the same step are met first.
+#[test]
+fn walls_before_an_edge_are_met() {
+    constraint! {
+        struct Roof {}
+        |x, _y, z| z + abs(x)
+    }
+    constraint! {
+        struct Side {}
+        |_x, y, _z| y + 1/2
+    }
+    let scene = Scene::on(Roof {}).with(rattle::potentials::Harmonic { stiffness: 1.0, centre: [0.0; 3] });
+    // y = cos t hits the wall at 2π/3, and x passes the ridge later; along a face both oscillate alike.
+    let mut events = [5.0, 0.05].map(|h| {
+        let start = State::at([-1.0, 1.0, -1.0]).moving([0.0; 3]);
+        let ball = scene.simulate(start, Dop853::adaptive(h, 1e-12)).unwrap().over_kinks().unwrap();
+        let mut ball = ball.collide(Stop::above(Side {})).unwrap();
+        ball.run((20.0 / h).round() as u64).unwrap();
+        (ball.events(), ball.position())
+    });
+    let [(long, p), (short, q)] = &mut events;
+    assert!(long == short && (*p - *q).norm() < 1e-9, "{long} {short} {p} {q}");
 }

@@ -135,7 +135,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let bodies = self.bodies();
         self.goes_again = true;
         self.events.get_or_insert_with(|| {
-            let (start, aside) = (self.before.clone(), [(); 3].map(|()| self.before.clone()));
+            let (start, aside) = (self.before.clone(), [(); 4].map(|()| self.before.clone()));
             Box::new(Events { meet: Search::meet, search: Search::among(bodies), number: 0, start, aside })
         })
     }

@@ -433,9 +433,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let Events { meet, search, start, aside, .. } = events;
         self.system.put_aside(&self.before, start);
         let (system, method, bodies) = (&self.system, &self.method, &mut self.bodies);
-        let (flows, halvings, parts) = (!draws(system), least..=most, None);
+        let (flows, halvings, parts, heard) = (!draws(system), least..=most, None, true);
         let mut stretch =
-            Stretch { system, method, bodies, start, noise, aside, witness, halvings, flows, parts };
+            Stretch { system, method, bodies, start, noise, aside, witness, heard, halvings, flows, parts };
         let number = match flows {
             true => {
                 let in_parts =
@@ -509,8 +509,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             let kink = kink_ahead(&self.system, &self.before, &mut self.bodies);
             self.put_back();
             if let Some(kink) = kink {
-                *failure = kink;
-                return;
+                return *failure = kink;
             }
         }
     }

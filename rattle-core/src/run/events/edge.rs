@@ -123,7 +123,7 @@ pub(super) fn cross<Y: System<f64, D>, S: Method, const D: usize>(
     normals: &mut [Vec<[f64; D]>; 2],
 ) -> Result<f64, Trouble> {
     let (system, sign, bodies) = (stretch.system, stretch.sign(), &mut *stretch.bodies);
-    let [before, after, _] = &mut *stretch.aside;
+    let [before, after, ..] = &mut *stretch.aside;
     let [first, second] = normals;
     system.put_aside(bodies, before);
     let energy = system.kinetic_energy(before) + system.potential_energy(before);

@@ -34,8 +34,17 @@ pub(in crate::run) use stretch::Stretch;
 
 /// Impacts in a step, for each body.
 const MOST: u64 = 1000;
-/// How often a stretch that cannot be gone is halved, in search of a contact before what hinders it.
+/// How often a stretch that cannot be gone is halved, in search of a contact before what hinders it; and one that is
+/// gone, until its parts tell where bodies are in between.
 const SHORTENED: u32 = 10;
+/// A part has no more inner steps of its method than this: one in which a method tells its error by comparison is not
+/// longer than half a period.
+const FEW_INNER: u32 = 2;
+/// Parts at first, at most.
+const MOST_PARTS: u32 = 1 << 16;
+/// Steps of methods of a higher order may be several periods long, if these do not follow roots in them: half of them
+/// are looked at in any case.
+const LOOKS_INSIDE: u32 = 12;
 
 /// What is looked for in each step, and the room to do so.
 pub(in crate::run) struct Events<Y: System<f64, D>, S: Method, const D: usize> {
@@ -47,7 +56,7 @@ pub(in crate::run) struct Events<Y: System<f64, D>, S: Method, const D: usize> {
     /// How many there were.
     pub(in crate::run) number: u64,
     pub(in crate::run) start: Saved<Y::Count, f64, D>,
-    pub(in crate::run) aside: [Saved<Y::Count, f64, D>; 3],
+    pub(in crate::run) aside: [Saved<Y::Count, f64, D>; 4],
 }
 
 /// What is looked for.
@@ -67,6 +76,15 @@ impl<const D: usize> Clone for Search<D> {
         let (normals, jumps) = (self.normals.clone(), self.jumps.clone());
         Self { meetings: self.meetings.clone(), normals, jumps, ..*self }
     }
+}
+
+/// What is known of parts of a stretch.
+enum Inside {
+    Nothing,
+    /// In this one something happens.
+    Part(u32),
+    /// They do not tell.
+    Unknown,
 }
 
 /// What happens at an instant.
@@ -132,15 +150,26 @@ impl<const D: usize> Search<D> {
         length: f64,
         went: Result<(), Trouble>,
     ) -> Result<Option<(Event, f64)>, Trouble> {
-        if went.is_ok() && !self.meetings.kinds.is_empty() && !self.is_resolved(stretch, length) {
+        if went.is_ok() && self.is_long(stretch, length) {
             self.first_in_parts(stretch, length)
         } else {
-            self.first_in_one(stretch, length, went)
+            self.first_in_one(stretch, length, went, true)
         }
     }
 
+    /// Whether contacts are to be looked for inside a stretch that was gone.
+    fn is_long<Y: System<f64, D>, S: Method>(
+        &mut self,
+        stretch: &mut Stretch<'_, Y, S, D>,
+        length: f64,
+    ) -> bool {
+        let inside = !S::HAS_STRUCTURE && stretch.method.order() > LOOKS_INSIDE;
+        !self.meetings.kinds.is_empty() && (inside || !self.is_resolved(stretch, length))
+    }
+
     /// The same of a stretch whose ends do not tell where bodies are in between: parts are gone that do, half as long
-    /// and half again. Where nothing happens in them, the stretch is gone as if nobody had looked.
+    /// and half again. Where nothing happens in them, bodies are put back to the end, and it is as if nobody had
+    /// looked.
     #[cold]
     #[inline(never)]
     fn first_in_parts<Y: System<f64, D>, S: Method>(
@@ -148,72 +177,109 @@ impl<const D: usize> Search<D> {
         stretch: &mut Stretch<'_, Y, S, D>,
         length: f64,
     ) -> Result<Option<(Event, f64)>, Trouble> {
-        let noise = stretch.noise;
-        stretch.system.put_aside(stretch.start, &mut stretch.aside[2]);
-        'shorter: for halved in 1..=SHORTENED {
-            let parts = 1_u32 << halved;
-            let part = length / f64::from(parts);
+        let (noise, noise_at_end, gone_in) = (stretch.noise, stretch.bodies.noise, stretch.parts);
+        let [.., start, end] = &mut *stretch.aside;
+        stretch.system.put_aside(stretch.start, start);
+        stretch.system.put_aside(stretch.bodies, end);
+        let least = stretch.bodies.inner_steps().div_ceil(FEW_INNER).clamp(2, MOST_PARTS).ilog2();
+        for halved in least..=least + SHORTENED {
+            let part = length / f64::from(1_u32 << halved);
             stretch.begin_again(noise);
-            for gone in 0..parts {
-                let went = stretch.go(part);
-                if went.is_ok() && halved < SHORTENED && !self.is_resolved(stretch, part) {
-                    continue 'shorter;
-                }
-                if self.first_in_one(stretch, part, went)?.is_none() {
-                    stretch.begin_unheard();
-                    continue;
-                }
-                // Once more, for those who hear of every part.
-                stretch.begin_again(noise);
-                for _ in 0..gone {
-                    stretch.go(part)?;
-                    stretch.begin();
-                }
-                let went = stretch.go(part);
-                let event = self.first_in_one(stretch, part, went)?;
-                return Ok(event.map(|(event, after)| (event, f64::from(gone) * part + after)));
+            stretch.heard = false;
+            let found = self.part_of_event(stretch, part, 1 << halved, halved < least + SHORTENED);
+            stretch.heard = true;
+            let number = match found {
+                Inside::Nothing => break,
+                Inside::Unknown => continue,
+                Inside::Part(number) => number,
+            };
+            // Once more, for those who hear of every part.
+            stretch.begin_again(noise);
+            for _ in 0..number {
+                stretch.go(part)?;
+                stretch.begin();
             }
-            break;
+            let went = stretch.go(part);
+            if let Some((event, after)) = self.first_in_one(stretch, part, went, false)? {
+                return Ok(Some((event, f64::from(number) * part + after)));
+            }
         }
         stretch.begin_again(noise);
-        stretch.go(length)?;
+        stretch.system.put_back(stretch.bodies, &stretch.aside[3]);
+        (stretch.bodies.noise, stretch.parts) = (noise_at_end, gone_in);
         Ok(None)
     }
 
-    /// The same of a stretch whose ends tell where bodies are in between.
+    /// In which of the parts from here on something happens first.
+    fn part_of_event<Y: System<f64, D>, S: Method>(
+        &mut self,
+        stretch: &mut Stretch<'_, Y, S, D>,
+        part: f64,
+        parts: u32,
+        asks: bool,
+    ) -> Inside {
+        for number in 0..parts {
+            let went = stretch.go(part);
+            if went.is_ok() && asks && !self.is_resolved(stretch, part) {
+                return Inside::Unknown;
+            }
+            match self.first_in_one(stretch, part, went, false) {
+                Ok(None) => stretch.begin_unheard(),
+                Ok(Some(_)) => return Inside::Part(number),
+                // Of a part alone: the whole was gone.
+                Err(_) => return Inside::Unknown,
+            }
+        }
+        Inside::Nothing
+    }
+
+    /// The first event of a stretch whose ends tell where bodies are in between, or that could not be gone. Of one that
+    /// is `whole` what is before that is looked at in parts, if need be.
     fn first_in_one<Y: System<f64, D>, S: Method>(
         &mut self,
         stretch: &mut Stretch<'_, Y, S, D>,
         length: f64,
         went: Result<(), Trouble>,
+        whole: bool,
     ) -> Result<Option<(Event, f64)>, Trouble> {
         self.meetings.begin_stretch();
-        let (mut event, mut end, mut suspect) = (None, length, None);
+        let (mut event, mut end, mut suspect, mut failed) = (None, length, None, None);
         match went {
             Ok(()) => suspect = self.meetings.suspect(stretch, end)?,
             Err(trouble) => {
                 let found = if self.over_kinks { edge::edge(stretch, end)? } else { None };
                 if let Some((edge, after)) = found {
+                    if whole && self.is_long(stretch, after) {
+                        let found = self.first_in_parts(stretch, after)?;
+                        return Ok(Some(found.unwrap_or((Event::Edge(edge), after))));
+                    }
                     (event, end) = (Some(Event::Edge(edge)), after);
                     suspect = self.meetings.suspect(stretch, end)?;
                 } else {
                     let mut clear = 0.0;
                     for _ in 0..SHORTENED {
                         let middle = 0.5 * (clear + end);
-                        *(if stretch.go(middle).is_ok() {
+                        if stretch.go(middle).is_err() {
+                            end = middle;
+                            continue;
+                        }
+                        if whole && self.is_long(stretch, middle) {
+                            if let Some(found) = self.first_in_parts(stretch, middle)? {
+                                return Ok(Some(found));
+                            }
+                        } else {
                             suspect = self.meetings.suspect(stretch, middle)?;
                             if suspect.is_some() {
                                 end = middle;
                                 break;
                             }
-                            &mut clear
-                        } else {
-                            &mut end
-                        }) = middle;
+                        }
+                        clear = middle;
                     }
                     if suspect.is_none() {
                         return Err(trouble);
                     }
+                    failed = Some(trouble);
                 }
             }
         }
@@ -225,7 +291,11 @@ impl<const D: usize> Search<D> {
             }
             suspect = if end > 0.0 { self.meetings.suspect(stretch, end)? } else { None };
         }
-        Ok(event.map(|event| (event, end)))
+        match (event, failed) {
+            (Some(event), _) => Ok(Some((event, end))),
+            (None, Some(trouble)) => Err(trouble),
+            (None, None) => Ok(None),
+        }
     }
 }
 

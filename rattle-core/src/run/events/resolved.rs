@@ -16,18 +16,18 @@ use crate::motion::capability::Rates;
 use crate::motion::method::{Method, Splitting};
 use crate::motion::system::System;
 use crate::number::vector::{add_scaled, dot, largest};
-use crate::run::events::Search;
 use crate::run::events::stretch::Stretch;
+use crate::run::events::{FEW_INNER, Search};
 
 /// By these parts of its way a body may be elsewhere than it is led back to, and its velocity times the length of the
 /// stretch be another: on a circle after 0.55 radians.
 const ELSEWHERE: [f64; 2] = [0.05, 0.15];
 
+/// By this part of the largest way of all bodies any body may be elsewhere: what hardly moves closes no gap unnoticed.
+const HARDLY: f64 = 1e-6;
+
 /// Ways of less than so many roundings of places tell nothing.
 const ROUNDINGS: f64 = 64.0;
-
-/// An inner step is not longer than half a period: none in which a method could tell its error is.
-const FEW_INNER: u32 = 2;
 
 impl<const D: usize> Search<D> {
     /// Whether the ends of a stretch of this length, at the end of which bodies are, tell where they are in between.
@@ -54,22 +54,34 @@ impl<const D: usize> Search<D> {
         if bodies.inner_steps() > FEW_INNER {
             return false;
         }
-        let rates = &mut self.normals[0];
+        let (rates, number) = (&mut self.normals[0], start.q.as_ref().len());
         capability.evaluate_rates(bodies, rates, &mut ());
+        // What all bodies have in common hides nothing, where there are several: not even a wall, which is off it then.
+        let mut common = [0.0; D];
+        for body in (0..number).filter(|_| number > 1) {
+            common = add_scaled(&common, 1.0 / number as f64, &system.velocity(bodies, body));
+        }
+        let (mut farthest, mut largest_place) = (0.0_f64, 0.0_f64);
+        for (from, to) in start.q.as_ref().iter().zip(bodies.q.as_ref()) {
+            let way = add_scaled(&add_scaled(to, -1.0, from), -time, &common);
+            farthest = farthest.max(largest(&way));
+            largest_place = largest_place.max(largest(from)).max(largest(to));
+        }
+        let least = (ROUNDINGS * f64::EPSILON * largest_place).max(HARDLY * farthest);
         rates.iter().enumerate().all(|(body, rate)| {
             let [before, after] = [system.velocity(start, body), system.velocity(bodies, body)];
             let p = std::mem::replace(&mut bodies.p.as_mut()[body], *rate);
             let change = system.velocity(bodies, body).map(|a| time * a);
             bodies.p.as_mut()[body] = p;
-            let [from, to] = [start.q.as_ref()[body], bodies.q.as_ref()[body]];
-            let way = add_scaled(&to, -1.0, &from);
+            let way = add_scaled(&bodies.q.as_ref()[body], -1.0, &start.q.as_ref()[body]);
             let elsewhere = add_scaled(&add_scaled(&way, -time, &after), 0.5 * time, &change);
             let faster = add_scaled(&add_scaled(&after, -1.0, &before), -1.0, &change).map(|v| time * v);
+            let [before, after] = [before, after].map(|v| add_scaled(&v, -1.0, &common));
+            let way = add_scaled(&way, -time, &common);
             let squares = [&before, &after, &change].map(|v| time * time * dot(v, v));
             let size = squares.into_iter().fold(dot(&way, &way), f64::max).sqrt();
-            let rounding = ROUNDINGS * f64::EPSILON * largest(&from).max(largest(&to));
             let mut off = [&elsewhere, &faster].into_iter().zip(ELSEWHERE);
-            !off.any(|(off, part)| largest(off) > rounding.max(part * size)) // NaN is told elsewhere
+            !off.any(|(off, part)| largest(off) > least.max(part * size)) // NaN is told elsewhere
         })
     }
 }

@@ -25,9 +25,11 @@ pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usi
     pub(in crate::run) start: &'a mut Saved<Y::Count, f64, D>,
     /// Which random numbers come first there.
     pub(in crate::run) noise: Noise,
-    /// Room for two more places, and for where a stretch began that is looked at in parts.
-    pub(in crate::run) aside: &'a mut [Saved<Y::Count, f64, D>; 3],
+    /// Room for two more places, and for both ends of a stretch that is looked at in parts.
+    pub(in crate::run) aside: &'a mut [Saved<Y::Count, f64, D>; 4],
     pub(in crate::run) witness: &'a mut dyn Hears<f64>,
+    /// Whether the witness hears of what is tried.
+    pub(in crate::run) heard: bool,
     /// How often a try is halved at least, and where it fails at most.
     pub(in crate::run) halvings: RangeInclusive<u32>,
     /// Whether flows act inside it, and not around the whole step.
@@ -79,15 +81,18 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
         let method =
             if parts == 1 { whole.clone() } else { whole.with_step(whole.step_size() / f64::from(parts)) };
         let mut memory = method.memory(view(&method, self.system)?, self.bodies);
+        let witness: &mut dyn Hears<f64> = if self.heard { &mut *self.witness } else { &mut () };
         for _ in 0..parts {
-            seldom(&method, self.system, self.bodies, memory.as_mut(), self.witness, self.flows)?;
+            seldom(&method, self.system, self.bodies, memory.as_mut(), witness, self.flows)?;
         }
         Ok(check::<S, _, _, D>(whole.step_size(), self.system, self.start, self.bodies)?)
     }
 
     /// Back to where it begins.
     pub(super) fn go_back(&mut self) {
-        self.witness.forget();
+        if self.heard {
+            self.witness.forget();
+        }
         self.system.put_back(self.bodies, self.start);
         self.bodies.noise = self.noise;
     }

@@ -132,12 +132,16 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     }
 
     /// Whether a pivot of G M⁻¹Gᵀ, with the gradients of both ends, is not positive: links turned by more than a right
-    /// angle, or are put together in another way.
+    /// angle, or are put together in another way. Not asked of links that act along other directions than their
+    /// gradients, whose pivots may have any sign.
     fn turns_over(&self, before: &Saved<N, f64, D>, now: &mut BodiesOf<F, N, D>) -> bool {
         let shape = &*self.shape;
         let Tied { room, solvers, .. } = &mut now.kept.tied;
         shape.components.iter().zip(solvers).enumerate().any(|(c, (component, solver))| {
             let rows = &component.rows;
+            if rows.acting {
+                return false;
+            }
             let blocks = &mut room.blocks[..rows.blocks()];
             shape.gradients(c, before.time, before.q.as_ref(), &mut room.g, blocks, &mut room.rates);
             let upright = solver.chord::<false>(rows, blocks, &shape.roots) > 0.0;

@@ -235,8 +235,12 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             let (_, roundings) = worst(&value, &size);
             if nearing.look(roundings, roundings <= 1.0, roundings <= NOISE).0 {
                 // Else fibres lead off g = 0.
-                match commute(&level).and_then(|()| self.slide_from_afar(&at)) {
-                    Ok(change) => return Ok(at.plus(&change)),
+                let slid = commute(&level).and_then(|()| {
+                    let there = at.plus(&self.slide_from_afar(&at)?);
+                    commute(&Level::of(&self.constraint, &there, &there)).map(|()| there)
+                });
+                match slid {
+                    Ok(there) => return Ok(there),
                     Err(mistake) => failure = Some(mistake),
                 }
                 break;

@@ -349,7 +349,10 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             (*q, *q_low) = two_sum(&high, &sum(&lost, &sum(q_low, &low)));
             let ([g], [gradient]) = self.constraint.value_and_jacobian(q);
             let length = dot(&gradient, &gradient).sqrt();
-            let size = size_along(&gradient, length, q).max(far);
+            let before = &bodies.kept.normal.as_ref()[body].gradient;
+            let size =
+                size_along(&gradient, length, q).max(size_along(before, dot(before, before).sqrt(), q));
+            let size = size.max(far);
             if !g.abs().le(T::from_f64(NOISE * T::EPSILON) * size * length) {
                 let kernel = &self.constraint;
                 holds(kernel, q, (g, &gradient), size)
