@@ -56,9 +56,9 @@ fn extrapolated_stages_take_fewer_iterations() {
         let [pure, ..] = evaluations(Lobatto::<5>::new(h));
         let [extrapolated, ..] = evaluations(Lobatto::<5>::new(h).guess(Extrapolated));
         println!("h = {h}: {pure:.2} evaluations of g per step, extrapolated {extrapolated:.2}");
-        // 18 for iterations that end below half a rounding, 2 inside the step, and a look for other sheets or an
-        // acceleration.
-        assert!(pure <= 21.5, "h = {h}: {pure}");
+        // 18 for iterations that end below half a rounding, 2 inside the step, 1 with the gradient where it ends, and a
+        // look for other sheets or an acceleration.
+        assert!(pure <= 22.5, "h = {h}: {pure}");
         assert!(extrapolated <= most * pure, "h = {h}: {extrapolated} of {pure}");
     }
 }

@@ -496,8 +496,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// Where the bodies could not be moved, and a constraint has a kink on their way, the failure is that.
     fn look_for_kinks(&mut self, failure: &mut Failure) {
-        // And a little farther: a step that ends on a kink is not beyond it.
-        for h in [1.0, 1.0 + 1.0 / 1024.0].map(|share| share * self.method.step_size()) {
+        // On a kink, which is not beyond it, slopes are no numbers; and bodies may become faster on their way there.
+        let on_it = usize::from(matches!(failure.cause, StepFailure::ConstraintNotFinite { .. }));
+        for h in [1.0, 1.25].map(|x| x * self.method.step_size()).into_iter().take(1 + on_it) {
             if const { S::RENEWS }
                 && let Some(renewal) = self.method.renewal()
             {
