@@ -305,3 +305,23 @@ fn unit_masses_in_every_form() {
     assert_eq!(run([1.0, 1.0].into()), unit);
     assert_eq!(run(Mass::Matrix([[1.0, 0.0], [0.0, 1.0]])), unit);
 }
+
+/// However often and when the number of bodies is said, each has a copy of what all had.
+#[test]
+fn each_body_has_a_copy_of_its_constraint() {
+    let starts = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let momenta = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+    let end = |scene: Scene<rattle::network::Network<3>, (), rattle::bodies::Many, 3>| {
+        let start = State::of(starts).with_momenta(momenta);
+        let mut simulation = scene.simulate(start, Rattle::new(0.05)).unwrap();
+        simulation.run(20).unwrap();
+        assert_eq!(simulation.freedom(), 6);
+        simulation.positions().map(|q| q.map(f64::to_bits)).collect::<Vec<_>>()
+    };
+    let sphere = || Scene::on(rattle::surfaces::Sphere { r: 1.0 });
+    let right = end(sphere().bodies(3).mass(2.0));
+    assert_eq!(end(sphere().mass(2.0).bodies(3)), right);
+    assert_eq!(end(sphere().bodies(2).mass(2.0).bodies(3)), right);
+    assert_eq!(end(sphere().bodies(5).mass(2.0).bodies(3)), right);
+    assert_eq!(end(sphere().bodies(2).mass(2.0).bodies(7).mass(2.0).bodies(3)), right);
+}

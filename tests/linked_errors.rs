@@ -101,6 +101,24 @@ fn links_and_pins_that_make_no_sense() {
     let mistake = NetworkMistake::ActingNeedsDiagonalMass { what: "Rod" };
     check(acting.map(drop), mistake, &["Rod", "do not couple"]);
 
+    // Of some bodies alone, none of which there is a copy of for each of another number.
+    let [pinned, rods] = [free().pin(0, [0.0; 2]), free().link(rod, [[0, 1], [1, 2]])];
+    let some = free().link(Pendulum { length: 1.0 }, [[0]]);
+    let each = [0, 1, 2].map(|body| (Pendulum { length: 1.0 + body as f64 }, [body]));
+    for (scene, what) in
+        [(pinned, "pin"), (rods, "Rod"), (some, "Pendulum"), (free().link_each(each), "Pendulum")]
+    {
+        let rest = State::of([[1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]);
+        assert!(scene.clone().bodies(3).project(&rest).is_ok(), "{what}");
+        let more = State::of([[1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [4.0, 0.0]]);
+        let (started, projected) = (
+            scene.clone().bodies(4).simulate(more.clone(), method).map(drop),
+            scene.bodies(4).project(&more),
+        );
+        says(&started.unwrap_err(), &[what, "some of 3 bodies", "`bodies(4)`"]);
+        says(&projected.unwrap_err(), &[what, "some of 3 bodies"]);
+    }
+
     let counted = free().simulate(State::of([[0.0, 0.0]]), method).map(drop).unwrap_err();
     assert!(matches!(counted, Error::BodyCount { scene: 3, state: 1 }), "{counted}");
 }

@@ -72,6 +72,20 @@ pub enum NetworkMistake {
         /// I₁, I₂, I₃.
         moments: [f64; 3],
     },
+    /// A link or pin of some bodies alone, before the number of bodies was changed: it cannot be copied to each.
+    #[error(
+        "{what} was said of some of {of} only, so that `bodies({bodies})` has no copy of it for each; say how many \
+         bodies there are before links and pins",
+        of = many(*before, "body", "bodies")
+    )]
+    NotCopied {
+        /// The type of the constraint, or `pin`.
+        what: &'static str,
+        /// Bodies when it was said.
+        before: usize,
+        /// Bodies now.
+        bodies: usize,
+    },
     /// Too many equations for `LinearAlgebra::Orthogonal`.
     #[error(
         "an orthonormal basis costs the cube of the equations that are tied together, and serves up to {most}; here are \

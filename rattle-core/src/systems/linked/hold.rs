@@ -1,14 +1,13 @@
 //! Networks as the constraints of a scene.
 
 use crate::effect::list::Effects;
-use crate::error::Error;
+use crate::error::{Error, NetworkMistake};
 use crate::motion::bodies::Count;
 use crate::motion::hold::{Hold, Kind};
 use crate::motion::state::State;
 use crate::systems::linked::kept::Linked;
 use crate::systems::linked::start;
 use crate::systems::network::constraints::Network;
-use crate::systems::network::group::LinkGroup;
 use crate::systems::network::solver::Solver;
 use std::sync::Arc;
 
@@ -32,9 +31,20 @@ impl<const D: usize> Hold<D> for Network<D> {
         self.pins.iter().find_map(|&(pinned, at)| (pinned == body).then_some(at))
     }
 
-    fn bodies(self, number: usize) -> Self {
-        let each = |group: Arc<dyn LinkGroup<D>>| group.for_each(number).map_or(group, Arc::from);
-        Self { groups: self.groups.into_iter().map(each).collect(), ..self }
+    fn bodies(mut self, number: usize) -> Self {
+        let before = self.bodies;
+        if number == before {
+            return self;
+        }
+        let mut only = self.pins.first().map(|_| "pin");
+        for group in &mut self.groups {
+            match group.for_each(before, number) {
+                Some(each) => *group = Arc::from(each),
+                None => only = Some(group.name()),
+            }
+        }
+        let mistake = only.map(|what| NetworkMistake::NotCopied { what, before, bodies: number });
+        Self { bodies: number, not_copied: self.not_copied.or(mistake), ..self }
     }
 
     fn project(&self, state: &State<D>) -> Result<State<D>, Error> {

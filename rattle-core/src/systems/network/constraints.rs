@@ -31,6 +31,10 @@ pub struct Network<const D: usize> {
     pub(crate) masses: Masses<D>,
     pub(crate) pins: Vec<(usize, [f64; D])>,
     pub(crate) algebra: LinearAlgebra,
+    /// Of how many bodies the last link, pin or mass was said.
+    pub(crate) bodies: usize,
+    /// What could not be copied when their number was changed.
+    pub(crate) not_copied: Option<NetworkMistake>,
 }
 
 /// Whose masses.
@@ -49,6 +53,8 @@ impl<const D: usize> Default for Network<D> {
             masses: Masses::Each(Mass::Unit),
             pins: Vec::new(),
             algebra: LinearAlgebra::Automatic,
+            bodies: 1,
+            not_copied: None,
         }
     }
 }
@@ -66,6 +72,9 @@ impl<const D: usize> Network<D> {
     #[inline(never)]
     pub(crate) fn shape(&self, bodies: usize) -> Result<Shape<D>, Error> {
         let mistake = |what| Err(Error::Network(what));
+        if let Some(what) = &self.not_copied {
+            return mistake(what.clone());
+        }
         let mut roots = Vec::with_capacity(bodies);
         match &self.masses {
             Masses::Listed(list) if list.len() != bodies => {

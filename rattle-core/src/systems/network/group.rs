@@ -26,8 +26,9 @@ pub(crate) trait LinkGroup<const D: usize>: Any + Debug + Send + Sync {
     fn acting(&self) -> Option<&[[bool; D]]>;
     /// Whether g depends on time.
     fn moving(&self) -> bool;
-    /// The same with a member for every body in turn, if there is one member, on body 0 alone.
-    fn for_each(&self, bodies: usize) -> Option<Box<dyn LinkGroup<D>>>;
+    /// The same with a member for each of so many bodies in turn, if there is one for each of those `before`, with the
+    /// same parameters.
+    fn for_each(&self, before: usize, bodies: usize) -> Option<Box<dyn LinkGroup<D>>>;
     /// Some members alone, with other numbers of their bodies.
     fn among(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Arc<dyn LinkGroup<D>>;
 
@@ -225,9 +226,10 @@ where
     fn moving(&self) -> bool {
         Self::MOVING
     }
-    fn for_each(&self, bodies: usize) -> Option<Box<dyn LinkGroup<D>>> {
-        let alone = self.members[..] == [[0; A]] && A == 1;
-        alone.then(|| {
+    fn for_each(&self, before: usize, bodies: usize) -> Option<Box<dyn LinkGroup<D>>> {
+        let alike = A == 1 && self.kernels.len() == 1;
+        let each = alike && self.members.iter().copied().eq((0..before).map(|i| [i; A]));
+        each.then(|| {
             Box::new(Self { members: (0..bodies).map(|i| [i; A]).collect(), ..self.clone() })
                 as Box<dyn LinkGroup<D>>
         })

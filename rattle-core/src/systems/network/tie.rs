@@ -13,12 +13,13 @@ pub trait Tie<const D: usize>: Hold<D> {
 
 impl<C: Constraint<D, 1>, const D: usize> Tie<D> for C {
     fn network(self, bodies: usize) -> Network<D> {
-        Network::default().with(Links::<_, D, 1, 1, D>::new(vec![self], (0..bodies).map(|i| [i]).collect()))
+        let members = (0..bodies).map(|i| [i]).collect();
+        Network { bodies, ..Network::default() }.with(Links::<_, D, 1, 1, D>::new(vec![self], members))
     }
 }
 
 impl<const D: usize> Tie<D> for Network<D> {
-    fn network(self, _: usize) -> Self {
-        self
+    fn network(self, bodies: usize) -> Self {
+        Self { bodies, ..self }
     }
 }
