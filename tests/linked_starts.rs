@@ -12,6 +12,12 @@ constraint! {
     |a: [f64; 3], b: [f64; 3], t| scale * (dot(b - a, b - a) - (length + rate * t)^2)
 }
 
+constraint! {
+    /// A circle that is led along x, and whose equation has any scale.
+    struct Led { scale, speed }
+    |x, y, t| scale * ((x - speed * t)^2 + y^2 - 1)
+}
+
 /// The end of a start that is off by this part of what is tolerated.
 fn check(what: &str, refused: impl Fn(&StartFailure) -> bool, start: impl Fn(f64) -> Result<(), Error>) {
     for part in [0.99, -0.99] {
@@ -83,4 +89,24 @@ fn pins() {
         let scene = Scene::points(3).link(Rod { length: 4.0 }, [[0, 1]]).pin(0, [0.0; 3]).pin(1, end);
         scene.simulate(State::of([[0.0; 3], end, [1.0, 0.0, 0.0]]), Rattle::new(0.01)).map(drop)
     });
+}
+
+/// How far it is to where a normal is none does not depend on the unit of time, nor on that of g.
+#[test]
+fn links_that_move_in_any_unit() {
+    let off = |cause: &StartFailure| matches!(cause, StartFailure::OffConstraint { .. });
+    for (speed, scale) in [(1.0, 1.0), (100.0, 1.0), (3e10, 1.0), (1e-10, 1.0), (1.0, 1e12), (1.0, 1e-12)] {
+        let scene = Scene::point().link_moving(Led { speed, scale }, [[0]]);
+        let start = |part: f64| {
+            // Off by d, with a normal of the length 2 (1 + d).
+            let start = State::at([0.0, -1.0 - part * START_TOLERANCE]).moving([speed, 0.0]);
+            scene.simulate(start, Rattle::new(1e-3 / speed)).map(drop)
+        };
+        check("led", off, start);
+        let mut simulation =
+            scene.simulate(State::at([0.0, -1.0]).moving([speed, 0.0]), Rattle::new(1e-3 / speed)).unwrap();
+        simulation.run(10).unwrap();
+        let way = simulation.position().x;
+        assert!((way - 0.01).abs() < 1e-15, "at rest on the circle: {way}");
+    }
 }

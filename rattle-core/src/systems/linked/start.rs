@@ -191,8 +191,9 @@ fn check_row<const D: usize>(
     let (group, member, equation) = rows.find(&shape.groups, row);
     let equations = shape.groups[group].equations();
     let (mut bends, mut turns) = (vec![0.0; equations], vec![0.0; equations]);
-    let mut change = |v: &[[f64; D]]| {
-        shape.groups[group].bends(member..member + 1, state.time, &start.q, v, &mut bends, &mut turns);
+    let mut change = |way: &[[f64; D]]| {
+        let at = (state.time, &start.q[..]);
+        shape.groups[group].bends(member..member + 1, at, (0.0, way), &mut bends, &mut turns);
         turns[equation].sqrt()
     };
     for (block, body) in rows.blocks_of(row) {

@@ -44,13 +44,13 @@ pub(crate) trait LinkGroup<const D: usize>: Any + Debug + Send + Sync {
         blocks: &mut [[f64; D]],
         rates: &mut [f64],
     );
-    /// d²g/dt² along constant velocities, and |∇²g v|².
+    /// d²g/dt² along constant velocities, and |∇²g v|². Time passes at this pace: 1 on a motion, 0 along a direction in
+    /// space.
     fn bends(
         &self,
         members: Range<usize>,
-        time: f64,
-        q: &[[f64; D]],
-        v: &[[f64; D]],
+        at: (f64, &[[f64; D]]),
+        along: (f64, &[[f64; D]]),
         bends: &mut [f64],
         turns: &mut [f64],
     );
@@ -266,15 +266,14 @@ where
     fn bends(
         &self,
         members: Range<usize>,
-        time: f64,
-        q: &[[f64; D]],
-        v: &[[f64; D]],
+        (time, q): (f64, &[[f64; D]]),
+        (pace, v): (f64, &[[f64; D]]),
         bends: &mut [f64],
         turns: &mut [f64],
     ) {
         let outputs = bends.chunks_exact_mut(M).zip(turns.chunks_exact_mut(M));
         for (member, (bends, turns)) in members.zip(outputs) {
-            let direction = self.gather(member, v, 1.0);
+            let direction = self.gather(member, v, pace);
             let rows = self.kernel(member).hessian_vector(&self.gather(member, q, time), &direction);
             for (i, row) in rows.iter().enumerate() {
                 bends[i] = row.iter().zip(&direction).map(|(h, v)| h * v).sum();

@@ -86,7 +86,7 @@ impl<const D: usize> Shape<D> {
     ) {
         for run in &self.components[component].rows.runs {
             let (bends, turns) = (&mut bends[run.row..], &mut turns[run.row..]);
-            self.groups[run.group].bends(run.members.clone(), time, q, v, bends, turns);
+            self.groups[run.group].bends(run.members.clone(), (time, q), (1.0, v), bends, turns);
         }
     }
 
