@@ -6,6 +6,8 @@ mod common;
 mod driven;
 #[path = "../linked.rs"]
 mod linked;
+#[path = "../linked_edges.rs"]
+mod linked_edges;
 #[path = "../linked_ends.rs"]
 mod linked_ends;
 #[path = "../linked_errors.rs"]

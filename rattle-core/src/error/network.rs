@@ -110,6 +110,8 @@ pub enum NetworkMistake {
 pub struct EquationAt {
     /// The type of the constraint.
     pub link: &'static str,
+    /// Which group of links, in the order in which the scene names them, counted from 0.
+    pub group: usize,
     /// Which member of its list, counted from 0.
     pub member: usize,
     /// Which equation of the member, counted from 0.

@@ -22,7 +22,6 @@ use crate::systems::linked::kept::Counts;
 use crate::systems::linked::kept::Linked;
 use crate::systems::linked::kept::Room;
 use crate::systems::linked::kept::Tied;
-use crate::systems::network::group::LinkGroup;
 use crate::systems::network::mass::Root;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::Solver;
@@ -186,6 +185,7 @@ impl<const D: usize> Shape<D> {
         Box::new(EquationAt {
             link: self.groups[group].name(),
             member,
+            group,
             equation,
             of: self.groups[group].equations(),
             bodies: rows.touched_by(row).map(|(_, body)| body).collect(),
@@ -195,29 +195,26 @@ impl<const D: usize> Shape<D> {
 
 /// The normal of a member's equation jumps.
 #[cold]
-pub(crate) fn kinked<const D: usize>(group: &dyn LinkGroup<D>, member: usize, kink: Kink) -> Failure {
-    let (touched, arity) = group.bodies();
+pub(crate) fn kinked<const D: usize>(shape: &Shape<D>, group: usize, member: usize, kink: Kink) -> Failure {
+    let links = &shape.groups[group];
+    let (touched, arity) = links.bodies();
     let bodies = touched[member * arity..][..arity].to_vec();
-    let (link, equation, of, body) = (group.name(), kink.equation, group.equations(), bodies[0]);
-    Failure::of_kink(kink, body, Some(Box::new(EquationAt { link, member, equation, of, bodies })))
+    let (link, equation, of, body) = (links.name(), kink.equation, links.equations(), bodies[0]);
+    Failure::of_kink(kink, body, Some(Box::new(EquationAt { link, group, member, equation, of, bodies })))
 }
 
-/// Writes ∇g of this equation for its bodies, if it is one of this group.
+/// Writes ∇g of an equation for its bodies.
 pub(crate) fn gradient<const D: usize>(
-    group: &dyn LinkGroup<D>,
-    equation: &EquationAt,
+    shape: &Shape<D>,
+    &EquationAt { group, member, equation, of, ref bodies, .. }: &EquationAt,
     time: f64,
     q: &[[f64; D]],
     normal: &mut [[f64; D]],
 ) {
-    let ((touched, arity), of, member) = (group.bodies(), group.equations(), equation.member);
-    let bodies = touched.get(member * arity..(member + 1) * arity);
-    if group.name() != equation.link || bodies != Some(&equation.bodies[..]) || of != equation.of {
-        return;
-    }
+    let arity = bodies.len();
     let (mut g, mut blocks, mut rates) = (vec![0.0; of], vec![[0.0; D]; of * arity], vec![0.0; of]);
-    group.gradients(member..member + 1, time, q, &mut g, &mut blocks, &mut rates);
-    for (body, block) in equation.bodies.iter().zip(&blocks[equation.equation * arity..]) {
+    shape.groups[group].gradients(member..member + 1, time, q, &mut g, &mut blocks, &mut rates);
+    for (body, block) in bodies.iter().zip(&blocks[equation * arity..]) {
         normal[*body] = *block;
     }
 }

@@ -434,7 +434,7 @@ fn check_fixed<const D: usize>(shape: &Shape<D>, state: &State<D>) -> Result<(),
             if links.moving() || distance.is_nan() || distance > START_TOLERANCE * size {
                 let body = bodies[0];
                 let link = links.name();
-                let equation = Box::new(EquationAt { link, member, equation, of, bodies });
+                let equation = Box::new(EquationAt { link, group, member, equation, of, bodies });
                 let moving = links.moving();
                 return Err(Error::Start {
                     body,

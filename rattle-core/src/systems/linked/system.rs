@@ -128,9 +128,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Guarded<f64, D> for Linked<F, 
 
     fn check_kinks(&self, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> Result<(), Failure> {
         let (time, q) = ([before.time, now.time], [before.q.as_ref(), now.q.as_ref()]);
-        for group in &self.shape.kinked {
-            if let Some((member, kink)) = group.kink(time, q) {
-                return Err(kinked(&**group, member, kink));
+        for &group in &self.shape.kinked {
+            if let Some((member, kink)) = self.shape.groups[group].kink(time, q) {
+                return Err(kinked(&self.shape, group, member, kink));
             }
         }
         Ok(())
@@ -138,15 +138,13 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Guarded<f64, D> for Linked<F, 
 
     fn changes_sides(&self, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> bool {
         let (time, q) = ([before.time, now.time], [before.q.as_ref(), now.q.as_ref()]);
-        self.shape.kinked.iter().any(|group| group.changes_sides(time, q))
+        self.shape.kinked.iter().any(|&group| self.shape.groups[group].changes_sides(time, q))
     }
 
     fn kinked_normal(&self, bodies: &BodiesOf<F, N, D>, kink: &Failure, normal: &mut [[f64; D]]) {
         normal.fill([0.0; D]);
         let StepFailure::Kink { equation: Some(equation), .. } = &kink.cause else { return };
-        for group in &self.shape.groups {
-            gradient(&**group, equation, bodies.time, bodies.q.as_ref(), normal);
-        }
+        gradient(&self.shape, equation, bodies.time, bodies.q.as_ref(), normal);
     }
 
     fn check_sheets(

@@ -169,7 +169,7 @@ impl<const D: usize> Network<D> {
             alone: alone(components.len(), &alike),
             alike,
             groups: self.groups.clone(),
-            kinked: self.groups.iter().filter(|group| group.has_kinks()).cloned().collect(),
+            kinked: (0..self.groups.len()).filter(|&group| self.groups[group].has_kinks()).collect(),
             moving: components.iter().any(|component| component.rows.moving),
             over_masses: roots.iter().map(Root::over_masses).collect(),
             roots,

@@ -12,8 +12,8 @@ use std::sync::Arc;
 /// The components of a network for so many bodies.
 pub(crate) struct Shape<const D: usize> {
     pub(crate) groups: Vec<Arc<dyn LinkGroup<D>>>,
-    /// Those of the groups that have kinks.
-    pub(crate) kinked: Vec<Arc<dyn LinkGroup<D>>>,
+    /// Which of the groups have kinks.
+    pub(crate) kinked: Vec<usize>,
     /// Whether a constraint moves.
     pub(crate) moving: bool,
     pub(crate) roots: Vec<Root<D>>,
