@@ -3,6 +3,7 @@
 
 use rattle::error::StartFailure;
 use rattle::links::Rod;
+use rattle::network::LinearAlgebra;
 use rattle::prelude::*;
 use rattle::{Error, START_TOLERANCE};
 
@@ -108,5 +109,46 @@ fn links_that_move_in_any_unit() {
         simulation.run(10).unwrap();
         let way = simulation.position().x;
         assert!((way - 0.01).abs() < 1e-15, "at rest on the circle: {way}");
+    }
+}
+
+/// A beam of triangles in the plane, and the same with one rod too many, from end to end or across a field.
+#[test]
+fn one_rod_too_many_in_a_long_beam() {
+    let beam = |bays: usize, extra: Option<[usize; 2]>, algebra: LinearAlgebra| {
+        let place = |k: usize| {
+            let [x, y, w] = [k / 2, k % 2, k].map(|k| k as f64);
+            [x + 0.05 * (7.0 * w).sin(), y + 0.05 * (5.0 * w).cos()]
+        };
+        let q: Vec<_> = (0..2 * bays).map(place).collect();
+        let uprights = (0..bays).map(|i| [2 * i, 2 * i + 1]);
+        let fields =
+            (0..bays - 1).flat_map(|i| [[2 * i, 2 * i + 2], [2 * i + 1, 2 * i + 3], [2 * i, 2 * i + 3]]);
+        let length = |[a, b]: [usize; 2]| (q[a][0] - q[b][0]).hypot(q[a][1] - q[b][1]);
+        let rods: Vec<_> = uprights
+            .chain(fields)
+            .chain(extra)
+            .map(|ends| (rattle::links::planar::Rod { length: length(ends) }, ends))
+            .collect();
+        let scene = Scene::points::<2>(2 * bays).linear_algebra(algebra).link_each(rods);
+        let turning = q.iter().map(|q| [-q[1], q[0]]);
+        let start = scene.project(&State::of(q.clone()).with_momenta(turning))?;
+        scene.simulate(start, Rattle::new(0.01)).map(|simulation| simulation.freedom())
+    };
+    for (bays, algebra) in [
+        (20, LinearAlgebra::Elimination),
+        (21, LinearAlgebra::Elimination),
+        (150, LinearAlgebra::Elimination),
+        (260, LinearAlgebra::Automatic),
+        (277, LinearAlgebra::Automatic),
+    ] {
+        assert_eq!(beam(bays, None, algebra).unwrap(), 3, "{bays}");
+        for extra in [[0, 2 * bays - 2], [bays / 2 * 2 + 1, bays / 2 * 2 + 2]] {
+            let error = beam(bays, Some(extra), algebra).unwrap_err();
+            let Error::Start { cause: StartFailure::Dependent { sine, .. }, .. } = &error else {
+                panic!("{bays} {extra:?}: {error}")
+            };
+            assert!(*sine < 1e-7, "{bays} {extra:?}: {error}");
+        }
     }
 }

@@ -10,6 +10,7 @@ use crate::solve::aim::{NOISY, ROUNDINGS, rounding_of_g};
 use crate::solve::nearing::Nearing;
 use crate::systems::linked::flight::LOST;
 use crate::systems::network::algebra::LinearAlgebra;
+use crate::systems::network::dependence::dependence;
 use crate::systems::network::mass::Root;
 use crate::systems::network::orthogonal::MOST_EQUATIONS;
 use crate::systems::network::shape::{Component, Shape};
@@ -254,7 +255,12 @@ fn bear<const D: usize>(
         component.solver = Solver::orthogonal(rows);
         return Ok(component.solver.normals(rows, blocks, roots).1);
     }
-    if sine > LOST { Ok(row) } else { Err((sine, row)) } // nor where it is no number
+    if sine > LOST {
+        // What rounding leaves of a pivot that is none may be more.
+        dependence(&mut component.solver, rows, blocks, roots, row).map_or(Ok(row), Err)
+    } else {
+        Err((sine, row)) // nor where it is no number
+    }
 }
 
 fn check_normals<const D: usize>(

@@ -5,6 +5,7 @@ pub(crate) mod alike;
 mod chain;
 pub(crate) mod constraints;
 pub(crate) mod dense;
+pub(crate) mod dependence;
 pub(crate) mod elimination;
 mod factor;
 pub(crate) mod few_in_lanes;
