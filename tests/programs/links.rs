@@ -6,6 +6,8 @@ mod common;
 mod driven;
 #[path = "../linked.rs"]
 mod linked;
+#[path = "../linked_acting.rs"]
+mod linked_acting;
 #[path = "../linked_edges.rs"]
 mod linked_edges;
 #[path = "../linked_ends.rs"]

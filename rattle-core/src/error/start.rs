@@ -116,6 +116,8 @@ pub enum StartFailure {
         "{equation} depends on the others (sine of the angle between normals {sine:.1e}); leave it out{}",
         if equations <= most {
             format!(", or ask for `LinearAlgebra::Orthogonal`, of which a step costs the cube of the {equations} equations")
+        } else if *most == 0 {
+            ": where a multiplier acts on chosen coordinates, no equation may depend on others".into()
         } else {
             format!(
                 ": of the {equations} equations that are tied together none may depend on others, as \
@@ -130,7 +132,8 @@ pub enum StartFailure {
         sine: f64,
         /// The number of coupled equations, including this one.
         equations: usize,
-        /// The largest number for which `LinearAlgebra::Orthogonal` can be used.
+        /// The largest number for which `LinearAlgebra::Orthogonal` can be used; 0 where multipliers act on chosen
+        /// coordinates.
         most: usize,
     },
     /// Equations that contradict each other near the start.
@@ -178,8 +181,12 @@ pub enum StartFailure {
         /// Whether it changes with time.
         moving: bool,
     },
-    /// The multiplier of an equation acts only on coordinates on which the equation does not depend here.
-    #[error("the multiplier of {equation} acts on coordinates along which g does not change here")]
+    /// The multiplier of an equation acts only on coordinates on which the equation does not depend here, or others act
+    /// along the same.
+    #[error(
+        "the multiplier of {equation} acts on coordinates along which g does not change here, or no otherwise than by the \
+         multipliers of others"
+    )]
     CannotAct {
         /// Which equation.
         equation: Box<EquationAt>,

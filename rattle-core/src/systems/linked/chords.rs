@@ -55,6 +55,10 @@ impl<const D: usize> Flight<'_, D> {
             let half_square = 0.5 * self.h * self.h;
             (0..m).for_each(|row| room.dx[row] = half_square * guess[rows.equation(row)]);
             solver.coefficients(&room.dx[..m], &mut room.guess[..m]);
+            if rows.acting {
+                solver.chord::<false>(rows, self.blocks, &self.shape.roots);
+                room.orientation = solver.orientation();
+            }
         } else {
             turn = self.guess(solver, room);
         }
@@ -93,9 +97,11 @@ impl<const D: usize> Flight<'_, D> {
         }
         counts.values += 1;
         if symmetric {
-            upright = solver.chord::<true>(rows, &room.blocks, &self.shape.roots) > 0.0;
+            let pivot = solver.chord::<true>(rows, &room.blocks, &self.shape.roots);
+            upright = self.is_upright(pivot, solver, room);
         } else if rows.acting {
-            upright = solver.chord::<false>(rows, self.blocks, &self.shape.roots) > 0.0;
+            let pivot = solver.chord::<false>(rows, self.blocks, &self.shape.roots);
+            upright = self.is_upright(pivot, solver, room);
         }
         self.measure_rounding((!(look || symmetric)).then_some(self.blocks), room);
         room.note_off(m);

@@ -140,10 +140,11 @@ impl<Fo, const D: usize> Tied<Fo, D> {
         let blocks = &self.blocks[first.1..first.1 + component.rows.blocks()];
         let square: f64 =
             component.rows.touched_by(row).map(|(block, _)| dot(&blocks[block], &blocks[block])).sum();
+        let share = acting_share(shape, c, row, blocks);
         let cause = if !square.is_finite() {
             StepFailure::ConstraintNotFinite { position: q[body].to_vec() }
-        } else if component.rows.acting {
-            LinkedFailure::CannotAct { equation, share: acting_share(shape, c, row, blocks) }.into()
+        } else if component.rows.acting && share < LITTLE_SHARE {
+            LinkedFailure::CannotAct { equation, share }.into()
         } else {
             let orthogonal = self.solvers[c].is_orthogonal();
             LinkedFailure::RankLost { equation, sine, passing: None, orthogonal }.into()
@@ -184,8 +185,8 @@ impl<const D: usize> Shape<D> {
         let (group, member, equation) = rows.find(&self.groups, row);
         Box::new(EquationAt {
             link: self.groups[group].name(),
-            member,
             group,
+            member,
             equation,
             of: self.groups[group].equations(),
             bodies: rows.touched_by(row).map(|(_, body)| body).collect(),

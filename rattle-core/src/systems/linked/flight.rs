@@ -16,8 +16,9 @@
 //! ([`crate::solve::stop`]). It also ends where a newly evaluated derivative does not reduce the residuals: then they
 //! are the rounding of g itself.
 //!
-//! **Which root**: see [`crate::solve::root`]. Here "upright" means that pivots remain positive, and a path is short if
-//! normals change by less than half of themselves.
+//! **Which root**: see [`crate::solve::root`]. Here "upright" means that pivots remain positive, or where multipliers act
+//! on chosen coordinates that the determinant keeps its sign, and a path is short if normals change by less than half of
+//! themselves.
 
 use crate::motion::failure::Failure;
 use crate::number::vector::{add_scaled, dot, larger, largest, size, sum};
@@ -76,7 +77,7 @@ pub(crate) struct Flight<'a, const D: usize> {
 #[derive(Clone, Copy)]
 pub(crate) struct Landing {
     pub(super) converged: bool,
-    /// Whether pivots stayed positive.
+    /// Whether pivots stayed positive, or of links that act on chosen coordinates the sign of the determinant.
     pub(super) upright: bool,
     /// The largest displacement by the first correction.
     pub(super) first: f64,
@@ -105,7 +106,16 @@ impl<const D: usize> Flight<'_, D> {
             _ => self.right_side::<0>(&room.push, bends, turns),
         };
         solver.respond(rows, self.blocks, &self.shape.roots, bends, &mut room.guess[..m]);
+        if rows.acting {
+            room.orientation = solver.orientation();
+        }
         self.h.abs() * square.sqrt()
+    }
+
+    /// Whether the derivative that the solver has just taken, with this smallest pivot, is that of normals that have
+    /// not turned over.
+    pub(super) fn is_upright(&self, pivot: f64, solver: &Solver<D>, room: &Room<D>) -> bool {
+        if self.rows().acting { solver.orientation() * room.orientation > 0.0 } else { pivot > 0.0 }
     }
 
     /// What x is to move g by, from d²g/dt² along the velocities. Returns the largest (|∇²g v|/|∇g|)²; NaN if one is.
@@ -355,7 +365,7 @@ impl<const D: usize> Flight<'_, D> {
         counts.values += 1;
         counts.gradients += 1;
         room.note_off(m);
-        let mut landing = Landing::from(pivot > 0.0);
+        let mut landing = Landing::from(self.is_upright(pivot, solver, room));
         let (mut shrinking, mut residual) = (Shrinking::start(), room.residual(m));
         for correction in 0..MAX_CORRECTIONS {
             note(room);
@@ -393,7 +403,7 @@ impl<const D: usize> Flight<'_, D> {
                     return landing;
                 }
                 let pivot = solver.chord::<false>(rows, &room.blocks, &self.shape.roots);
-                landing.upright &= pivot > 0.0;
+                landing.upright &= self.is_upright(pivot, solver, room);
                 shrinking = Shrinking::start();
             }
         }

@@ -112,6 +112,9 @@ pub(crate) struct Room<const D: usize> {
     /// How x goes on while its root is followed.
     pub(super) course: Vec<Course<f64>>,
     pub(super) dx: Vec<f64>,
+    /// The sign of the determinant of G M⁻¹ times what multipliers act along where the step starts, if they act on
+    /// chosen coordinates.
+    pub(super) orientation: f64,
     /// |∇gᵢ|, and 1/|∇gᵢ| over the rounding of the coordinates that equation i depends on.
     pub(super) lengths: Vec<f64>,
     pub(super) scale: Vec<f64>,
@@ -316,6 +319,7 @@ impl<const D: usize> Room<D> {
             y: vec![0.0; rows],
             course: vec![Course::start(); rows],
             dx: vec![0.0; rows],
+            orientation: f64::NAN,
             lengths: vec![0.0; rows],
             scale: vec![0.0; rows],
             learned: vec![0.0; LEARNED * rows],

@@ -14,7 +14,7 @@ use crate::systems::network::dependence::dependence;
 use crate::systems::network::mass::Root;
 use crate::systems::network::orthogonal::MOST_EQUATIONS;
 use crate::systems::network::shape::{Component, Shape};
-use crate::systems::network::solver::Solver;
+use crate::systems::network::solver::{CLEARLY, Solver};
 
 /// Below this sine of the angle of a normal to the others elimination loses digits that a basis keeps: its matrix has
 /// the condition 1/sin², and two rounds of projection mend up to 1e8 (measured: 1e-4 leaves 1e-12, 1e-6 leaves 5e-8).
@@ -138,8 +138,9 @@ fn at<const D: usize>(shape: &Shape<D>, c: usize, row: usize, cause: StartFailur
 }
 
 fn dependent<const D: usize>(shape: &Shape<D>, c: usize, row: usize, sine: f64) -> StartFailure {
-    let (equation, equations) = (shape.equation_at(c, row), shape.components[c].rows.equations());
-    StartFailure::Dependent { equation, sine, equations, most: MOST_EQUATIONS }
+    let (equation, rows) = (shape.equation_at(c, row), &shape.components[c].rows);
+    let most = if rows.acting { 0 } else { MOST_EQUATIONS };
+    StartFailure::Dependent { equation, sine, equations: rows.equations(), most }
 }
 
 fn check_bodies<const D: usize>(shape: &Shape<D>, bodies: &[Body<f64, D>]) -> Result<(), Error> {
@@ -273,16 +274,33 @@ fn check_normals<const D: usize>(
     shape.mask(c, &mut acting);
     let Shape { components, roots, .. } = &mut *shape;
     let component = &mut components[c];
-    let row = match bear(component, algebra, &acting, roots) {
-        Ok(row) => row,
+    let (borne, weakest) = match bear(component, algebra, &acting, roots) {
+        Ok(row) if component.rows.acting => (true, row),
+        Err((_, row)) if component.rows.acting => (false, row),
+        Ok(_) => return Ok(()),
         Err((sine, row)) => return Err(at(shape, c, row, dependent(shape, c, row, sine))),
     };
-    let component = &shape.components[c];
-    if component.rows.acting && component.solver.rank(&component.rows) < component.rows.equations() {
-        let equation = shape.equation_at(c, row);
-        return Err(at(shape, c, row, StartFailure::CannotAct { equation }));
+    let (rows, blocks) = (&component.rows, &start.blocks[..component.rows.blocks()]);
+    let may_choose = algebra == LinearAlgebra::Automatic && rows.equations() <= MOST_EQUATIONS;
+    let is_clear = component.solver.chord::<false>(rows, blocks, roots) > CLEARLY * CLEARLY;
+    if !is_clear && may_choose && !component.solver.is_orthogonal() {
+        component.solver = Solver::orthogonal(rows); // which exchanges rows
+        component.solver.normals(rows, &acting, roots);
+        component.solver.chord::<false>(rows, blocks, roots);
     }
-    Ok(())
+    let independent = borne && component.solver.rank(rows) == rows.equations();
+    if independent && component.solver.orientation().abs() == 1.0 {
+        return Ok(());
+    }
+    if rows.equations() <= MOST_EQUATIONS {
+        let mut all = Solver::orthogonal(rows);
+        let (sine, row) = all.normals(rows, blocks, roots);
+        if all.rank(rows) < rows.equations() {
+            return Err(at(shape, c, row, dependent(shape, c, row, sine)));
+        }
+    }
+    let equation = shape.equation_at(c, weakest);
+    Err(at(shape, c, weakest, StartFailure::CannotAct { equation }))
 }
 
 /// Momenta that are no more than this part of what they were before they were made to fit are rounding.

@@ -46,6 +46,11 @@ impl Factored {
         let (diagonal, beside) = (vec![0.0; rows], vec![[0.0; 2]; rows]);
         Self { rows: vec![FactoredRow::default(); rows], diagonal, beside }
     }
+
+    /// 1/pivot of each row.
+    pub(super) fn overs(&self) -> impl Iterator<Item = f64> {
+        self.rows.iter().map(|row| row.over)
+    }
 }
 
 impl Chain {

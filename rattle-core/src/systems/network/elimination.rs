@@ -302,6 +302,15 @@ impl<const D: usize> Elimination<D> {
         }
     }
 
+    /// The sign of the determinant of that derivative; no number where a pivot is none.
+    pub(crate) fn orientation(&self) -> f64 {
+        let sign = |pivot: f64| if pivot.is_finite() { pivot.signum() } else { f64::NAN };
+        if self.chain.is_some() {
+            return self.chain_at_trial.overs().map(sign).product();
+        }
+        self.at_trial.inverse.iter().copied().chain(self.late_at_trial.pivots()).map(sign).product()
+    }
+
     /// Newton's correction for residuals g, with the derivative of [`Self::chord`].
     pub(crate) fn correct(&mut self, g: &[f64], dx: &mut [f64]) {
         let Self { pattern, at_trial, late_at_trial, permuted, .. } = self;

@@ -14,7 +14,7 @@ pub(super) struct Factor {
     lower: Vec<f64>,
     upper: Vec<f64>,
     /// 1/pivot.
-    inverse: Vec<f64>,
+    pub(super) inverse: Vec<f64>,
     /// A row of the matrix while it is eliminated; zero in between.
     pub(super) line: Vec<f64>,
     gathered: Vec<f64>,

@@ -128,6 +128,11 @@ impl Late {
         }
     }
 
+    /// The pivots of the border.
+    pub(super) fn pivots(&self) -> impl Iterator<Item = f64> {
+        (0..self.rows.len()).map(|k| self.corner[k * self.most + k])
+    }
+
     fn line(&self, a: usize) -> &[f64] {
         &self.lines[a * self.unknowns..(a + 1) * self.unknowns]
     }

@@ -17,6 +17,10 @@ use crate::systems::network::rows::Rows;
 /// rounding of a sum, well below any angle that carries digits.
 const DEPENDENT: f64 = 1e-12;
 
+/// Where not all act along normals, rows are exchanged if a pivot is less than this part of what it could be: that
+/// takes a digit.
+const SMALL_PIVOT: f64 = 0.1;
+
 /// A component of more equations gets no basis: its cost is their cube, and of 800 equations of a net a step takes 1 s.
 pub(crate) const MOST_EQUATIONS: usize = 1000;
 
@@ -36,11 +40,14 @@ pub(crate) struct Basis<const D: usize> {
     t: Vec<f64>,
     /// (G at the trial) L⁻ᵀQ, reduced to `rank` equations and factored.
     chord: Vec<f64>,
+    /// Which row takes the place of each, where rows are exchanged.
+    exchanged: Option<Vec<usize>>,
     column: Vec<f64>,
 }
 
 impl<const D: usize> Basis<D> {
-    pub(crate) fn new(equations: usize, bodies: usize) -> Self {
+    /// For so many equations, some of which may be acted on along other directions than their normals.
+    pub(crate) fn new(equations: usize, bodies: usize, acting: bool) -> Self {
         let square = vec![0.0; equations * equations];
         Self {
             equations,
@@ -53,6 +60,7 @@ impl<const D: usize> Basis<D> {
             v: square.clone(),
             t: square.clone(),
             chord: square,
+            exchanged: acting.then(|| (0..equations).collect()),
             column: vec![0.0; equations],
         }
     }
@@ -302,10 +310,14 @@ impl<const D: usize> Basis<D> {
                 }
             }
         }
-        // Elimination without exchanges: the matrix is the identity where the step starts.
+        // Elimination without exchanges: the matrix is the identity where the step starts, if all act along normals.
         let a = &mut self.chord; // by columns
         let mut smallest = f64::INFINITY;
         for k in 0..r {
+            if let Some(exchanged) = &mut self.exchanged {
+                exchanged[k] = pivot_row(&a[k * m..k * m + r], k);
+                (0..r).for_each(|j| a.swap(j * m + k, j * m + exchanged[k]));
+            }
             let pivot = a[k * m + k];
             if pivot < smallest || pivot.is_nan() {
                 smallest = pivot;
@@ -321,12 +333,26 @@ impl<const D: usize> Basis<D> {
         smallest
     }
 
+    /// The sign of the determinant of that derivative along the basis; 0 where it is none but for rounding.
+    pub(crate) fn orientation(&self) -> f64 {
+        let m = self.equations;
+        (0..self.rank).fold(1.0, |sign, k| {
+            let pivot = self.chord[k * m + k];
+            let stays = self.exchanged.as_ref().is_none_or(|exchanged| exchanged[k] == k);
+            let sign = if stays { sign } else { -sign };
+            if pivot.abs() <= DEPENDENT { 0.0 } else { sign * pivot.signum() }
+        })
+    }
+
     /// Newton's correction for residuals g, with the derivative of [`Self::chord`].
     pub(crate) fn correct(&self, g: &[f64], dx: &mut [f64]) {
         let (m, r) = (self.equations, self.rank);
         self.solve(g, dx);
         let a = &self.chord;
         dx[..r].iter_mut().for_each(|x| *x = -*x);
+        if let Some(exchanged) = &self.exchanged {
+            (0..r).for_each(|k| dx.swap(k, exchanged[k]));
+        }
         for i in 0..r {
             for k in 0..i {
                 dx[i] -= a[k * m + i] * dx[k];
@@ -339,6 +365,14 @@ impl<const D: usize> Basis<D> {
             dx[i] /= a[i * m + i];
         }
     }
+}
+
+/// The row of this column, from row k on, whose entry is to be the pivot: k itself unless that is far smaller than
+/// others.
+fn pivot_row(column: &[f64], k: usize) -> usize {
+    let best =
+        (k..column.len()).fold(k, |best, i| if column[i].abs() > column[best].abs() { i } else { best });
+    if column[k].abs() >= SMALL_PIVOT * column[best].abs() { k } else { best }
 }
 
 fn square<const D: usize>(column: &[[f64; D]]) -> f64 {

@@ -48,7 +48,7 @@ enum By<B, E, F> {
 
 impl<const D: usize> Solver<D> {
     pub(crate) fn orthogonal(rows: &Rows) -> Self {
-        Self::Orthogonal(Box::new(Basis::new(rows.equations(), rows.bodies.len())))
+        Self::Orthogonal(Box::new(Basis::new(rows.equations(), rows.bodies.len(), rows.acting)))
     }
 
     pub(crate) fn elimination(rows: &Rows, roots: &[Root<D>]) -> Self {
@@ -61,7 +61,7 @@ impl<const D: usize> Solver<D> {
         groups: &[Arc<dyn LinkGroup<D>>],
         pins: &BTreeMap<usize, [f64; D]>,
     ) -> Self {
-        let basis = Basis::new(rows.equations(), rows.bodies.len());
+        let basis = Basis::new(rows.equations(), rows.bodies.len(), rows.acting);
         let sparse = || Way::Sparse(Elimination::new(rows, roots));
         let elimination = Dense::new(rows, roots, groups, pins).map_or_else(sparse, Way::Dense);
         Self::Few(Box::new(Few { basis, elimination, clear: false }))
@@ -180,6 +180,16 @@ impl<const D: usize> Solver<D> {
             By::Basis(basis) => basis.chord::<SYMMETRIC>(rows, blocks, roots),
             By::Elimination(elimination) => elimination.chord::<SYMMETRIC>(rows, blocks, roots),
             By::Dense(dense) => dense.chord::<SYMMETRIC>(blocks),
+        }
+    }
+
+    /// The sign of the determinant of the last derivative, where multipliers act on chosen coordinates: pivots may then
+    /// have any sign. 0 or no number where there is no factor.
+    pub(crate) fn orientation(&self) -> f64 {
+        match self.by() {
+            By::Basis(basis) => basis.orientation(),
+            By::Elimination(elimination) => elimination.orientation(),
+            By::Dense(_) => f64::NAN, // has no such multipliers
         }
     }
 
