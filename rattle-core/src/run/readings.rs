@@ -201,6 +201,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// to the order of the method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|². Here f are potentials and driven
     /// potentials: what constraints answer to [flows](crate::effect::Flow), such as a `force!`, drag or a magnetic
     /// field, is not in λ.
+    ///
+    /// Of redundant equations they are those of least norm, each in the unit of a normal of length 1 in the metric of M⁻¹:
+    /// how a load is divided among too many links depends on masses, not on how stiff links would be.
     pub fn multipliers(&self) -> Vec<f64> {
         answers::multipliers(&self.system, &self.bodies)
     }

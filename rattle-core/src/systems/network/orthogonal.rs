@@ -7,7 +7,7 @@
 //! Column-pivoted Gram–Schmidt, each column made orthogonal twice (L. Giraud, J. Langou, M. Rozložník 2005: that is
 //! enough). The condition of G enters once, not squared as in G M⁻¹Gᵀ. A column that is left with less than
 //! [`DEPENDENT`] of its length adds nothing; multipliers are then those of least norm, with every equation scaled to
-//! a normal of length 1, so that how it is written does not matter.
+//! a normal of length 1 in the metric of M⁻¹, so that how it is written does not matter, but masses do.
 
 use crate::number::vector::{add_scaled, dot, scaled};
 use crate::systems::network::mass::Root;
