@@ -80,6 +80,14 @@ fn a_chain_stays_with_elimination() {
     assert_eq!(simulation.system().components().next().unwrap().by, Elimination);
 }
 
+/// Nothing is there to put into blocks.
+#[test]
+fn one_equation_stays_with_elimination() {
+    let scene = Scene::points(2).link(Rod { length: 1.0 }, [[0, 1]]).linear_algebra(Supernodal);
+    let simulation = scene.simulate(State::of([[0.0; 3], [1.0, 0.0, 0.0]]), Rattle::new(0.01)).unwrap();
+    assert_eq!(simulation.system().components().next().unwrap().by, Elimination);
+}
+
 #[test]
 fn equations_that_depend_on_each_other_are_refused() {
     let twice = rods().into_iter().chain(rods().into_iter().take(1));

@@ -24,6 +24,8 @@ mod linked_ways;
 mod memory;
 #[path = "../molecules.rs"]
 mod molecules;
+#[path = "../near_dependence.rs"]
+mod near_dependence;
 #[path = "../rigid.rs"]
 mod rigid;
 #[path = "../scaling.rs"]

@@ -18,7 +18,7 @@ use crate::run::ensemble::lane_record::{read_all, write_all};
 use crate::run::ensemble::linked_going::{Steps, Velocities, Wide, Width};
 use crate::run::ensemble::linked_law::{Heard, Law, LinkedLaws, answer, gradients};
 use crate::run::ensemble::linked_plan::{LinkedPlan, Places};
-use crate::run::ensemble::linked_row::{Course, Landed, LinkedRow, at_rest};
+use crate::run::ensemble::linked_row::{Course, LinkedRow, at_rest};
 use crate::run::ensemble::linked_stirred::StirredSteps;
 use crate::run::ensemble::linked_stirring::RowStirring;
 use crate::run::ensemble::renewed_lanes;
@@ -157,7 +157,7 @@ pub(super) fn bodies_of<const D: usize, const W: usize>(
     (0..plan.coordinates / D).map(body).collect()
 }
 
-/// Where a part of a step leads a lane by itself.
+/// Λ of a part of a step that a lane takes by itself.
 #[cold]
 #[inline(never)]
 fn go_apart<F: Forces<f64, D>, const D: usize, const W: usize>(
@@ -167,7 +167,7 @@ fn go_apart<F: Forces<f64, D>, const D: usize, const W: usize>(
     part: &Part,
     numbers: &[Numbers<W>],
     room: &mut Option<BodiesOf<F, Many, D>>,
-) -> Result<Landed, Stuck> {
+) -> Result<Vec<f64>, Stuck> {
     let (plan, Law { system, masses, .. }) = (&common.plan, law);
     let Places { way, way_low, .. } = plan.places;
     let places = bodies_of(common, masses, numbers, lane, [way, way_low], part.unit);
@@ -179,8 +179,7 @@ fn go_apart<F: Forces<f64, D>, const D: usize, const W: usize>(
     // What the way leads off the constraints Λ puts back.
     let [drift, settle] = &heard.multipliers;
     let multiplier = |&i: &usize| 0.5 * part.h * part.h * (drift[i] + settle[i]);
-    let multipliers = plan.equation.iter().map(multiplier).collect();
-    Ok(Landed { multipliers, gradients: gradients(&**system, &bodies.q) })
+    Ok(plan.equation.iter().map(multiplier).collect())
 }
 
 impl<F: Forces<f64, D>, const D: usize, const W: usize> Engine<D> for LinkedLanes<F, D, W>

@@ -44,15 +44,9 @@ const CORRECTIONS: usize = 5;
 /// that is eliminated from both ends the last pivot is 4/n.
 pub(super) const PIVOT: f64 = 4096.0;
 
-/// Λ and the entries of G of a lane that cannot go with the others.
-pub(super) struct Landed {
-    pub(super) multipliers: Vec<f64>,
-    pub(super) gradients: Vec<f64>,
-}
-
-/// Finds where a step leads a lane that cannot go with the others.
+/// Finds the Λ of a lane that cannot go with the others.
 pub(super) type Apart<'a, const W: usize> =
-    dyn FnMut(usize, &Part, &[Numbers<W>]) -> Result<Landed, Stuck> + 'a;
+    dyn FnMut(usize, &Part, &[Numbers<W>]) -> Result<Vec<f64>, Stuck> + 'a;
 
 /// What a row obeys, and the parts of its steps.
 pub(super) struct Course<'a, const W: usize> {
@@ -259,12 +253,9 @@ impl<const W: usize> Course<'_, W> {
         numbers: &mut [Numbers<W>],
         apart: &mut Apart<'_, W>,
     ) -> Result<(), Stuck> {
-        let Places { found, gradient, .. } = self.plan.places;
-        let Landed { multipliers, gradients } = apart(lane, part, numbers)?;
-        for (to, from) in [(found, multipliers), (gradient, gradients)] {
-            let lanes = numbers[to..].iter_mut().map(|numbers| &mut numbers.0[lane]);
-            lanes.zip(from).for_each(|(to, from)| *to = Fused(from));
-        }
+        let multipliers = apart(lane, part, numbers)?;
+        let lanes = numbers[self.plan.places.found..].iter_mut().map(|numbers| &mut numbers.0[lane]);
+        lanes.zip(multipliers).for_each(|(to, from)| *to = Fused(from));
         Ok(())
     }
 

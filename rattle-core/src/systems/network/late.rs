@@ -26,8 +26,10 @@ pub(super) struct Late {
     unknowns: usize,
     coordinates: usize,
     most: usize,
-    /// Late equations for which there was no room.
+    /// Late equations for which there was no room, and those for which there was.
     refused: usize,
+    taken: usize,
+    /// The latter first.
     rows: Vec<usize>,
     /// z and r, one after the other.
     responses: Vec<f64>,
@@ -47,7 +49,7 @@ impl Late {
 
     /// One with more room, if late equations were refused for want of it, and as many may be late.
     pub(super) fn grown(&self) -> Option<Self> {
-        let most = self.coordinates.min(2 * (self.rows.len() + self.refused));
+        let most = self.coordinates.min(2 * (self.taken + self.refused));
         (self.refused > 0 && most > self.most).then(|| Self::with_room(self.unknowns, self.coordinates, most))
     }
 
@@ -57,7 +59,8 @@ impl Late {
             coordinates,
             most,
             refused: 0,
-            rows: Vec::with_capacity(most),
+            taken: 0,
+            rows: vec![0; most],
             responses: vec![0.0; most * unknowns],
             lines: vec![0.0; most * unknowns],
             corner: vec![0.0; most * most],
@@ -68,15 +71,15 @@ impl Late {
     }
 
     pub(super) fn clear(&mut self) {
-        self.rows.clear();
-        self.refused = 0;
+        (self.taken, self.refused) = (0, 0);
     }
 
     /// Takes an equation. False if there is no room for it.
     pub(super) fn take(&mut self, row: usize) -> bool {
-        let room = self.rows.len() < self.most;
+        let room = self.taken < self.most;
         if room {
-            self.rows.push(row);
+            self.rows[self.taken] = row;
+            self.taken += 1;
         } else {
             self.refused += 1;
         }
@@ -84,11 +87,13 @@ impl Late {
     }
 
     pub(super) fn rows(&self) -> &[usize] {
-        &self.rows
+        &self.rows[..self.taken]
     }
 
     /// Factors the border; `line` and `column` write the entries of a row and a column of the matrix, by unknown. Calls
     /// `see` with each late equation and its pivot.
+    #[cold]
+    #[inline(never)]
     pub(super) fn factor(
         &mut self,
         pattern: &Pattern,
@@ -97,18 +102,18 @@ impl Late {
         mut column: impl FnMut(usize, &mut [f64]),
         mut see: impl FnMut(usize, f64),
     ) {
-        let (n, late) = (self.unknowns, self.rows.len());
-        for (a, &row) in self.rows.iter().enumerate() {
+        let (n, late) = (self.unknowns, self.taken);
+        for (a, &row) in self.rows[..late].iter().enumerate() {
             self.right.fill(0.0);
             column(row, &mut self.right);
-            for (b, &other) in self.rows.iter().enumerate() {
+            for (b, &other) in self.rows[..late].iter().enumerate() {
                 self.corner[b * self.most + a] = std::mem::take(&mut self.right[other]);
             }
             factor.solve(pattern, 1.0, &self.right, &mut self.responses[a * n..(a + 1) * n], &mut self.room);
             let entries = &mut self.lines[a * n..(a + 1) * n];
             entries.fill(0.0);
             line(row, entries);
-            self.rows.iter().for_each(|&other| entries[other] = 0.0);
+            self.rows[..late].iter().for_each(|&other| entries[other] = 0.0);
         }
         for a in 0..late {
             for b in 0..late {
@@ -152,9 +157,9 @@ impl Late {
     ) {
         self.right[..right.len()].copy_from_slice(right);
         self.right[right.len()..].fill(0.0);
-        self.rows.iter().for_each(|&row| self.right[row] = 0.0);
+        let late = self.taken;
+        self.rows[..late].iter().for_each(|&row| self.right[row] = 0.0);
         factor.solve(pattern, 1.0, &self.right, solved, &mut self.room);
-        let late = self.rows.len();
         for a in 0..late {
             let mut rest = right[self.rows[a]] - dot(self.line(a), solved);
             for b in 0..a {
@@ -173,7 +178,7 @@ impl Late {
             solved.iter_mut().zip(self.response(a)).for_each(|(x, z)| *x -= z * last);
         }
         x.copy_from_slice(&solved[..x.len()]);
-        self.rows.iter().zip(&self.last).for_each(|(&row, &last)| x[row] = last);
+        self.rows[..late].iter().zip(&self.last).for_each(|(&row, &last)| x[row] = last);
     }
 }
 

@@ -39,7 +39,7 @@ impl Supernodal {
     pub(super) fn new(pattern: &Pattern, columns_of: impl Fn(usize) -> Vec<usize>) -> Option<Self> {
         let m = pattern.order.len();
         let operations: usize = pattern.upper_start.windows(2).map(|at| (at[1] - at[0]).pow(2)).sum();
-        if operations < OPERATIONS * pattern.lower.len() {
+        if operations <= OPERATIONS * pattern.lower.len() {
             return None;
         }
         let (mut columns, mut start) = (Vec::new(), vec![0]);
