@@ -145,21 +145,18 @@ impl<const D: usize> Flight<'_, D> {
         let mut pushes = push[line.first..line.first + bends.len() + 1].iter();
         let Some(mut before) = pushes.next() else { return 0.0 };
         let (pairs, free) = (self.blocks.as_chunks::<2>().0, self.rows().free().as_chunks::<2>().0);
-        // The largest fraction, found without dividing.
-        let (mut most, mut total) = ((0.0, 1.0), 0.0);
+        let (mut most, mut total) = (0.0, 0.0);
         for ((((bend, &turn), pair), free), after) in
             bends.iter_mut().zip(turns).zip(pairs).zip(free).zip(pushes)
         {
             let square = free[0] * dot(&pair[0], &pair[0]) + free[1] * dot(&pair[1], &pair[1]);
             let along = dot(&pair[0], before) + dot(&pair[1], after);
-            if turn * most.1 > most.0 * square {
-                most = (turn, square);
-            }
+            most = larger(most, turn / square);
             total += turn; // NaN if one is
             *bend = -0.5 * self.h * self.h * *bend - along;
             before = after;
         }
-        if f64::is_nan(total) { total } else { most.0 / most.1 }
+        if f64::is_nan(total) { total } else { most }
     }
 
     /// Solves for x into `room.y` by Newton's method from g̈ = 0.
@@ -398,8 +395,9 @@ impl<const D: usize> Flight<'_, D> {
                     // The rounding of g itself, or dependent equations that cannot all hold.
                     solver.correct(&room.g[..m], &mut room.dx[..m]);
                     let vain = self.length_of_correction(solver, room) < 1e-3 * room.longest(m);
-                    landing.contradictory = vain && solver.rank(rows) < m && residual > 64.0;
-                    landing.converged = !landing.contradictory;
+                    let off = vain && residual > 64.0;
+                    landing.contradictory = off && solver.rank(rows) < m;
+                    landing.converged = !off;
                     return landing;
                 }
                 let pivot = solver.chord::<false>(rows, &room.blocks, &self.shape.roots);

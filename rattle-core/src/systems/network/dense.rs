@@ -9,6 +9,7 @@ use crate::systems::network::mass::Root;
 use crate::systems::network::places::{Evaluated, PLACES, Places};
 use crate::systems::network::rows::Rows;
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// So many equations and bodies at most.
@@ -324,6 +325,7 @@ fn sine<const M: usize>([pivots, diagonal]: [Column<M>; 2]) -> (f64, usize) {
     let mut weakest = (f64::INFINITY, 0);
     for i in 0..M {
         let ratio = pivots[i] / diagonal[i];
+        let ratio = if ratio.is_finite() { ratio } else { f64::NAN };
         if ratio < weakest.0 || ratio.is_nan() {
             weakest = (ratio, i);
         }
@@ -337,13 +339,18 @@ fn multiply<const M: usize>(matrix: &Square, sign: f64, column: &[f64], to: &mut
     }
 }
 
+/// Products of two entries, fourth powers of gradients, that lose no digits and do not overflow, nor do differences of
+/// them.
+const PRODUCTS: RangeInclusive<f64> = 1e-290..=1e290;
+
 /// Writes the inverse of a matrix by columns, by elimination in the order of its rows. Returns its pivots.
 #[inline(always)]
 pub(crate) fn invert<const M: usize>(matrix: &[[f64; M]; M], inverse: &mut Square) -> Column<M> {
     let (mut a, mut pivots) = (*matrix, [0.0; M]);
-    if M == 2 {
+    let product = if M == 2 { a[0][0] * a[1][1] } else { 0.0 };
+    if M == 2 && PRODUCTS.contains(&product) {
         // One division in place of two, one of which waits for the other.
-        let minor = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+        let minor = product - a[0][1] * a[1][0];
         let over = 1.0 / minor;
         (inverse[0][0], inverse[1][1]) = (a[1][1] * over, a[0][0] * over);
         (inverse[1][0], inverse[0][1]) = (-(a[0][1] * over), -(a[1][0] * over));
