@@ -26,6 +26,7 @@ use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::{Pulled, Pulling, Rows};
 use crate::run::ensemble::linked_plan::{LinkedPlan, Links, Places, Takes};
 use crate::solve::stop::size_of_terms;
+use crate::systems::network::elimination::LOSSY;
 use crate::systems::network::in_lanes::{Number, Numbers, Which, any, zeros};
 
 /// So many roundings of the coordinates that a link depends on are left to the last correction. Its matrix is that of
@@ -39,10 +40,10 @@ pub(super) const TURN: f64 = 8.0;
 /// Further corrections after which a lane goes apart.
 const CORRECTIONS: usize = 5;
 
-/// Pivots are no smaller than one over this, relative to what they were formed of: elimination then loses twelve bits
-/// of multipliers, and six of what they displace, which Newton's method finds again. In a straight chain of n links
-/// that is eliminated from both ends the last pivot is 4/n.
-pub(super) const PIVOT: f64 = 4096.0;
+/// Pivots are no smaller than one over this, relative to what they were formed of: elimination then loses no more than
+/// [twelve bits](LOSSY) of multipliers, and six of what they displace, which Newton's method finds again. In a straight
+/// chain of n links that is eliminated from both ends the last pivot is 4/n.
+pub(super) const PIVOT: f64 = 1.0 / LOSSY;
 
 /// Finds the Λ of a lane that cannot go with the others.
 pub(super) type Apart<'a, const W: usize> =

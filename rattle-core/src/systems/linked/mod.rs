@@ -12,6 +12,7 @@ mod hold;
 mod in_rows;
 pub(crate) mod kept;
 mod moving;
+mod pull;
 mod rates;
 mod room;
 mod series;

@@ -12,7 +12,8 @@ use crate::number::vector::{largest, sum, two_sum};
 use crate::solve::nearing::Nearing;
 use crate::solve::stop::NOISE;
 use crate::systems::linked::kept::Tied;
-use crate::systems::linked::kept::{BodiesOf, Furthest, Kept, Linked, along};
+use crate::systems::linked::kept::{BodiesOf, Furthest, Kept, Linked};
+use crate::systems::linked::pull::Pull;
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
     fn evaluate_rates<W: Witness<f64>>(
@@ -34,14 +35,15 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> f
         for (c, component) in shape.components.iter().enumerate() {
             let (rows, solver, (row, block)) = (&component.rows, &mut solvers[c], component.first);
             let m = rows.equations();
-            let (blocks, x) = (&blocks[block..block + rows.blocks()], &mut room.x[row..row + m]);
+            let blocks = &blocks[block..block + rows.blocks()];
             let (bends, turns) = (&mut room.g[..m], &mut room.dx);
             shape.bends(c, bodies.time, bodies.q.as_ref(), &room.velocity, bends, turns);
-            for (i, bend) in bends.iter_mut().enumerate() {
-                *bend = -*bend - along(rows, i, blocks, &room.push);
-            }
-            solver.respond(rows, blocks, &shape.roots, bends, x);
-            solver.push(rows, &shape.roots, 1.0, x, rates);
+            bends.iter_mut().for_each(|bend| *bend = -*bend);
+            let x = &mut room.x[row..row + m];
+            let pull = Pull { rows, roots: &shape.roots, blocks, changes: bends };
+            let of_rows = [x, &mut room.guess[..m], &mut room.dx[..m]];
+            pull.add(solver, rates, &mut room.push, of_rows);
+            let x = &room.x[row..row + m];
             if W::LISTENS || rows.moving {
                 solver.multipliers(x, &mut room.dx[..m]);
                 for (i, lambda) in room.dx[..m].iter().enumerate() {

@@ -16,7 +16,8 @@ use crate::motion::bodies::Count;
 use crate::motion::witness::Witness;
 use crate::number::vector::{scaled, sum};
 use crate::systems::linked::kept::Tied;
-use crate::systems::linked::kept::{BodiesOf, Kept, Linked, along};
+use crate::systems::linked::kept::{BodiesOf, Kept, Linked};
+use crate::systems::linked::pull::Pull;
 use crate::systems::linked::room::SeriesRoom;
 use crate::systems::network::shape::Shape;
 use std::array::from_fn;
@@ -106,8 +107,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 let m = rows.equations();
                 let normals = &normals[block..block + rows.blocks()];
                 let start = &blocks[block..block + rows.blocks()];
-                let (needed, x) = (&mut room.g[..m], &mut room.x[first..first + m]);
-                for (row, needed) in needed.iter_mut().enumerate() {
+                let (changes, x) = (&mut room.g[..m], &mut room.x[first..first + m]);
+                for (row, change) in changes.iter_mut().enumerate() {
                     let mut turn = moves[first + row];
                     for (at, body) in rows.touched_by(row) {
                         for d in 0..D {
@@ -115,10 +116,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                             turn += known + normals[at][d] * series[n + body][d];
                         }
                     }
-                    *needed = -number * turn - along(rows, row, start, push);
+                    *change = -number * turn;
                 }
-                solver.respond(rows, start, &shape.roots, needed, x);
-                solver.push(rows, &shape.roots, 1.0, x, pull);
+                let of_rows = [&mut *x, &mut room.guess[..m], &mut room.dx[..m]];
+                Pull { rows, roots: &shape.roots, blocks: start, changes }.add(solver, pull, push, of_rows);
                 let lambda = &mut lambda[first..first + m];
                 solver.multipliers(x, lambda);
                 for (row, &lambda) in lambda.iter().enumerate() {

@@ -9,6 +9,7 @@ use crate::number::vector::{add_scaled, dot, largest, sum};
 use crate::solve::aim::{NOISY, ROUNDINGS, rounding_of_g};
 use crate::solve::nearing::Nearing;
 use crate::systems::linked::flight::LOST;
+use crate::systems::linked::pull::Rounds;
 use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::dependence::dependence;
 use crate::systems::network::mass::Root;
@@ -16,8 +17,8 @@ use crate::systems::network::orthogonal::MOST_EQUATIONS;
 use crate::systems::network::shape::{Component, Shape};
 use crate::systems::network::solver::{CLEARLY, Solver};
 
-/// Below this sine of the angle of a normal to the others elimination loses digits that a basis keeps: its matrix has
-/// the condition 1/sin², and two rounds of projection mend up to 1e8 (measured: 1e-4 leaves 1e-12, 1e-6 leaves 5e-8).
+/// Below this sine of the angle of a normal to the others a basis keeps digits that elimination, whose matrix has the
+/// condition 1/sin², finds by further rounds alone.
 const NARROW: f64 = 1e-3;
 
 /// Distances that no longer shrink may be the rounding of g below this part of the coordinates.
@@ -330,7 +331,8 @@ pub(crate) fn project<const D: usize>(
         let (mut needed, mut x) = (vec![0.0; m], vec![0.0; m]);
         let speed = |p: &[[f64; D]], body: usize| largest(&roots[body].velocity(&p[body]));
         let before: Vec<f64> = rows.bodies.iter().map(|&body| speed(&p, body)).collect();
-        for _ in 0..2 {
+        let mut rounds = Rounds::begin();
+        while rounds.has_another(component.solver.is_lossy()) {
             // The second time takes what rounding left.
             for (row, needed) in needed.iter_mut().enumerate() {
                 *needed = -start.rates[row];
@@ -340,6 +342,9 @@ pub(crate) fn project<const D: usize>(
                 }
             }
             component.solver.solve(&needed, &mut x);
+            if !rounds.takes(&x, &needed) {
+                break;
+            }
             component.solver.push(rows, roots, 1.0, &x, &mut p);
         }
         for (&body, before) in rows.bodies.iter().zip(before) {

@@ -9,6 +9,7 @@ use crate::systems::linked::few::{Few, Momenta};
 use crate::systems::linked::flight::Flight;
 use crate::systems::linked::kept::{Room, Tied, fall_short};
 use crate::systems::linked::moving::Moving;
+use crate::systems::linked::pull::Rounds;
 use crate::systems::linked::strip::{self, Strip};
 use crate::systems::network::shape::Shape;
 
@@ -169,11 +170,12 @@ impl<Fo: Force<f64, D>, const D: usize> Tied<Fo, D> {
                     velocity[body] = roots[body].velocity(&sum(&p[body], &change[body]));
                 }
                 total.fill(0.0);
-                for round in 0..2 {
+                let mut rounds = Rounds::begin();
+                while rounds.has_another(solver.is_lossy()) {
                     // The second time takes what rounding left, if it left more than comes from forming the rates.
-                    let settled = match (round, rows.width()) {
-                        (0, 2) => fall_short::<false, 2, D>(rows, blocks, rates, velocity, needed),
-                        (0, _) => fall_short::<false, 0, D>(rows, blocks, rates, velocity, needed),
+                    let settled = match (rounds.is_first(), rows.width()) {
+                        (true, 2) => fall_short::<false, 2, D>(rows, blocks, rates, velocity, needed),
+                        (true, _) => fall_short::<false, 0, D>(rows, blocks, rates, velocity, needed),
                         (_, 2) => fall_short::<true, 2, D>(rows, blocks, rates, velocity, needed),
                         _ => fall_short::<true, 0, D>(rows, blocks, rates, velocity, needed),
                     };
@@ -181,6 +183,9 @@ impl<Fo: Force<f64, D>, const D: usize> Tied<Fo, D> {
                         break;
                     }
                     solver.respond(rows, blocks, roots, needed, x);
+                    if !rounds.takes(x, needed) {
+                        break;
+                    }
                     solver.pushes(rows, roots, 1.0, x, |body, impulse| {
                         change[body] = sum(&change[body], &impulse);
                         velocity[body] = roots[body].velocity(&sum(&p[body], &change[body]));

@@ -3,6 +3,7 @@
 use crate::effect::force::Force;
 use crate::number::vector::{sum, two_sum};
 use crate::systems::linked::kept::Room;
+use crate::systems::linked::pull::Rounds;
 use crate::systems::network::elimination::Elimination;
 use crate::systems::network::line::Line;
 use std::array::from_fn;
@@ -90,9 +91,12 @@ impl<Fo: Force<f64, D>, const D: usize> Strip<'_, Fo, D> {
         elimination.solve(needed, total);
         self.push(elimination, total);
         // The second time takes what rounding left, if it left more than comes from forming the rates.
-        let small = self.fall_short::<true>(elimination, needed);
-        if !small {
+        let mut rounds = Rounds::after_one();
+        while rounds.has_another(elimination.is_lossy()) && !self.fall_short::<true>(elimination, needed) {
             elimination.solve(needed, x);
+            if !rounds.takes(x, needed) {
+                break;
+            }
             total.iter_mut().zip(&*x).for_each(|(total, x)| *total += x);
             self.push(elimination, x);
         }

@@ -24,6 +24,10 @@ use std::mem::take;
 /// solved for after all others. By more digits than that a pivot must not be smaller than what it was formed of.
 const LATE: f64 = 1e-4;
 
+/// Where the square of a sine is smaller, elimination loses more than twelve bits of Λ, and six of displacements. Who
+/// asks for Λ then finds these by further rounds.
+pub(crate) const LOSSY: f64 = 1.0 / 4096.0;
+
 #[derive(Debug, Clone)]
 pub(crate) struct Elimination<const D: usize> {
     pattern: Pattern,
@@ -46,6 +50,8 @@ pub(crate) struct Elimination<const D: usize> {
     lifted: Vec<[f64; D]>,
     at_start: Factor,
     at_trial: Factor,
+    /// Whether the matrix that Λ was last asked of is [so near to a singular one](LOSSY) that Λ loses digits.
+    lossy: bool,
     late_at_start: Late,
     late_at_trial: Late,
     /// In place of the factor at the start.
@@ -102,6 +108,7 @@ impl<const D: usize> Elimination<D> {
             lifted: blocks,
             at_start: factor.clone(),
             at_trial: factor,
+            lossy: false,
             late_at_start: late.clone(),
             late_at_trial: late,
             #[cfg(feature = "faer")]
@@ -150,6 +157,22 @@ impl<const D: usize> Elimination<D> {
 
     /// Takes the normals over. Returns the sine of the angle of the least independent one to those before, and its row.
     pub(crate) fn normals(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> (f64, usize) {
+        let (square, row) = self.take_over(rows, blocks, roots);
+        self.note_least(square);
+        (square.max(0.0).sqrt(), row)
+    }
+
+    /// Notes the least square of a sine of the matrix that Λ is asked of from now on.
+    pub(crate) fn note_least(&mut self, square: f64) {
+        self.lossy = square < LOSSY;
+    }
+
+    pub(crate) fn is_lossy(&self) -> bool {
+        self.lossy
+    }
+
+    /// Takes the normals over. Returns the square of the sine.
+    fn take_over(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> (f64, usize) {
         if let Some(over_masses) = &self.over_masses {
             for ((lifted, block), over) in self.lifted.iter_mut().zip(blocks).zip(over_masses) {
                 *lifted = from_fn(|i| over[i] * block[i]);
@@ -164,21 +187,20 @@ impl<const D: usize> Elimination<D> {
         if let Some(mut supernodal) = self.supernodal.take() {
             let (square, k) = self.factor_supernodal(rows, &mut supernodal);
             self.supernodal = Some(supernodal);
-            return (square.max(0.0).sqrt(), self.pattern.order[k]);
+            return (square, self.pattern.order[k]);
         }
         if let Some(chain) = &self.chain {
             let Self { normals, lifted, chain_at_start: factored, .. } = self;
-            let (square, row) = if rows.width() == 2 {
+            return if rows.width() == 2 {
                 chain.factor::<false, 2, D>(rows, factored, normals, lifted, true)
             } else {
                 chain.factor::<false, 0, D>(rows, factored, normals, lifted, true)
             };
-            return (square.max(0.0).sqrt(), row);
         }
         let (mut factor, mut late) = (take(&mut self.at_start), take(&mut self.late_at_start));
-        let (square, row) = self.factor::<false>(rows, blocks, roots, (&mut factor, &mut late), true);
+        let found = self.factor::<false>(rows, blocks, roots, (&mut factor, &mut late), true);
         (self.at_start, self.late_at_start) = (factor, late);
-        (square.max(0.0).sqrt(), row)
+        found
     }
 
     /// Factors (normals)(lifted)ᵀ, of which it forms the entries up to the diagonal.

@@ -130,6 +130,12 @@ impl<const D: usize> Solver<D> {
         }
     }
 
+    /// Whether elimination does the work, and loses digits.
+    #[inline(always)]
+    pub(crate) fn is_lossy(&self) -> bool {
+        matches!(self.by(), By::Elimination(elimination) if elimination.is_lossy())
+    }
+
     /// Independent equations, as far as the last normals show.
     pub(crate) fn rank(&self, rows: &Rows) -> usize {
         match self.by() {
@@ -222,7 +228,10 @@ impl<const D: usize> Solver<D> {
         x: &mut [f64],
     ) {
         if rows.acting {
-            self.chord::<false>(rows, blocks, roots);
+            let least = self.chord::<false>(rows, blocks, roots);
+            if let Some(elimination) = self.elimination_mut() {
+                elimination.note_least(least);
+            }
             rates.iter_mut().for_each(|rate| *rate = -*rate);
             self.correct(rates, x);
         } else {
