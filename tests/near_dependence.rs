@@ -6,7 +6,7 @@ use rattle::bodies::Many;
 use rattle::effect::list::Effects;
 use rattle::error::{LinkedFailure, StepFailure};
 use rattle::links::Rod;
-use rattle::network::LinearAlgebra::Elimination;
+use rattle::network::LinearAlgebra::{Automatic, Elimination, Orthogonal};
 use rattle::network::Network;
 use rattle::potentials::{self, Gravity};
 use rattle::prelude::*;
@@ -82,6 +82,32 @@ fn light_bodies_hand_on_tensions_whole() {
         // Each rod adds a rounding of what it bears; it was 1e-9 for masses of 1e-4.
         assert!((told - right).abs() <= n as f64 * f64::EPSILON * right, "{light:e}: {told} for {right}");
     }
+}
+
+/// A light body with heavy ones around it: a basis where one may be chosen, elsewhere an error that says the truth.
+#[test]
+fn light_hubs_are_borne_or_refused() {
+    let place = |i: usize| {
+        let (a, b) = (i as f64, 0.3 * i as f64);
+        if i == 0 { [0.0; 3] } else { [a.cos() * b.cos(), a.sin() * b.cos(), b.sin()] }
+    };
+    let momentum = |i: usize| [0, 1, 2].map(|d| if i == 0 { 0.0 } else { (5.0 * i as f64 + d as f64).cos() });
+    let scene = |light: f64, by| {
+        let masses = (0..41).map(move |i| if i == 0 { light } else { 1.0 });
+        let rods = (1..41).map(|leaf| [0, leaf]);
+        Scene::points::<3>(41).masses(masses).link(Rod { length: 1.0 }, rods).linear_algebra(by)
+    };
+    for (light, by) in [(1e-4, Elimination), (1e-9, Orthogonal), (1e-12, Orthogonal)] {
+        let start = State::of((0..41).map(place)).with_momenta((0..41).map(momentum));
+        let start = scene(light, Automatic).project(&start).unwrap();
+        let mut simulation = scene(light, Automatic).simulate(start, Rattle::new(1e-3)).unwrap();
+        assert_eq!(simulation.system().components().next().unwrap().by, by, "{light:e}");
+        simulation.run(3).unwrap();
+        assert!(simulation.cotangent_residual() <= 1e-14, "{light:e}: {:e}", simulation.cotangent_residual());
+    }
+    let start = State::of((0..41).map(place)).with_momenta((0..41).map(momentum));
+    let error = scene(1e-15, Elimination).project(&start).unwrap_err().to_string();
+    assert!(error.contains("depends on the others"), "{error}"); // and nothing moves apart
 }
 
 /// c·g = 0 are the same rods as g = 0, for all c with which |∇g|² is a number.

@@ -18,7 +18,7 @@ use crate::systems::network::shape::{Component, Shape};
 use crate::systems::network::solver::{CLEARLY, Solver};
 
 /// Below this sine of the angle of a normal to the others a basis keeps digits that elimination, whose matrix has the
-/// condition 1/sin², finds by further rounds alone.
+/// condition 1/sin², finds by further rounds alone; and displacements of light bodies it does not find again.
 const NARROW: f64 = 1e-3;
 
 /// Distances that no longer shrink may be the rounding of g below this part of the coordinates.
@@ -240,28 +240,28 @@ fn check_row<const D: usize>(
     Ok(())
 }
 
-/// Has a component take its normals over, by the linear algebra that bears them, if it may choose one. Returns the row
-/// of the least independent one; as an error where it cannot bear them, with the sine to the others.
+/// Has a component take its normals over, by the linear algebra that bears them, if it may choose one. Returns the sine
+/// of the least independent one to the others, and its row; as an error where it cannot bear them.
 fn bear<const D: usize>(
     component: &mut Component<D>,
     algebra: LinearAlgebra,
     blocks: &[[f64; D]],
     roots: &[Root<D>],
-) -> Result<usize, (f64, usize)> {
+) -> Result<(f64, usize), (f64, usize)> {
     let rows = &component.rows;
-    let (sine, row) = component.solver.first_normals(rows, blocks, roots);
-    if !matches!(component.solver, Solver::Elimination(_)) || sine > NARROW {
-        return Ok(row);
+    let found = component.solver.first_normals(rows, blocks, roots);
+    if !matches!(component.solver, Solver::Elimination(_)) || found.0 > NARROW {
+        return Ok(found);
     }
     if algebra == LinearAlgebra::Automatic && rows.equations() <= MOST_EQUATIONS {
         component.solver = Solver::orthogonal(rows);
-        return Ok(component.solver.normals(rows, blocks, roots).1);
+        return Ok(component.solver.normals(rows, blocks, roots));
     }
-    if sine > LOST {
+    if found.0 > LOST {
         // What rounding leaves of a pivot that is none may be more.
-        dependence(&mut component.solver, rows, blocks, roots, row).map_or(Ok(row), Err)
+        dependence(&mut component.solver, rows, blocks, roots, found.1).map_or(Ok(found), Err)
     } else {
-        Err((sine, row)) // nor where it is no number
+        Err(found) // nor where it is no number
     }
 }
 
@@ -276,7 +276,7 @@ fn check_normals<const D: usize>(
     let Shape { components, roots, .. } = &mut *shape;
     let component = &mut components[c];
     let (borne, weakest) = match bear(component, algebra, &acting, roots) {
-        Ok(row) if component.rows.acting => (true, row),
+        Ok((_, row)) if component.rows.acting => (true, row),
         Err((_, row)) if component.rows.acting => (false, row),
         Ok(_) => return Ok(()),
         Err((sine, row)) => return Err(at(shape, c, row, dependent(shape, c, row, sine))),
@@ -324,7 +324,7 @@ pub(crate) fn project<const D: usize>(
     // What belongs to other components is left alone: the cost is that of all equations, however many components.
     let mut p = Body::momenta(&state.bodies);
     for c in 0..shape.components.len() {
-        place(shape, c, algebra, &mut start, state.time)?;
+        let (sine, _) = place(shape, c, algebra, &mut start, state.time)?;
         let Shape { components, roots, .. } = &mut *shape;
         let component = &mut components[c];
         let (rows, m) = (&component.rows, component.rows.equations());
@@ -353,7 +353,8 @@ pub(crate) fn project<const D: usize>(
                 p[body] = [0.0; D];
             }
         }
-        // Rates that no momenta can give: links that move apart.
+        // Rates that no momenta can give: links that move apart, or rounding of normals that fall together.
+        let moves = start.rates[..m].iter().any(|&rate| rate != 0.0);
         for row in 0..m {
             let (mut rate, mut square, mut speed) = (start.rates[row], 0.0, 0.0_f64);
             for (block, body) in rows.blocks_of(row) {
@@ -364,7 +365,9 @@ pub(crate) fn project<const D: usize>(
             }
             if rate.abs() > START_TOLERANCE * (square.sqrt() * speed + start.rates[row].abs()) {
                 let equation = shape.equation_at(c, row);
-                return Err(at(shape, c, row, StartFailure::RatesContradict { equation, rate }));
+                let contradict = StartFailure::RatesContradict { equation, rate };
+                let cause = if moves { contradict } else { dependent(shape, c, row, sine) };
+                return Err(at(shape, c, row, cause));
             }
         }
         for &body in &rows.bodies {
@@ -375,13 +378,14 @@ pub(crate) fn project<const D: usize>(
     Ok(state)
 }
 
+/// Moves a component onto its constraints. Returns the sine of its least independent normal there, and its row.
 fn place<const D: usize>(
     shape: &mut Shape<D>,
     c: usize,
     algebra: LinearAlgebra,
     start: &mut Start<D>,
     time: f64,
-) -> Result<(), Error> {
+) -> Result<(f64, usize), Error> {
     let m = shape.components[c].rows.equations();
     let mut x = vec![0.0; m];
     let mut distances: Vec<f64> = Vec::new();
@@ -404,9 +408,10 @@ fn place<const D: usize>(
         let Shape { components, roots, .. } = &mut *shape;
         let component = &mut components[c];
         let blocks = &start.blocks[..component.rows.blocks()];
-        if let Err((sine, row)) = bear(component, algebra, blocks, roots) {
-            return Err(at(shape, c, row, dependent(shape, c, row, sine)));
-        }
+        let found = match bear(component, algebra, blocks, roots) {
+            Ok(found) => found,
+            Err((sine, row)) => return Err(at(shape, c, row, dependent(shape, c, row, sine))),
+        };
         let component = &mut components[c];
         let rows = &component.rows;
         let off: Vec<f64> = start.g[..m].iter().map(|g| -g).collect();
@@ -429,7 +434,7 @@ fn place<const D: usize>(
                 let cause = StartFailure::Contradictory { equation: shape.equation_at(c, worst), distance };
                 return Err(at(shape, c, worst, cause));
             }
-            return Ok(());
+            return Ok(found);
         }
         distances.push(distance);
         for &body in &rows.bodies {

@@ -52,6 +52,8 @@ pub(crate) struct Elimination<const D: usize> {
     at_trial: Factor,
     /// Whether the matrix that Λ was last asked of is [so near to a singular one](LOSSY) that Λ loses digits.
     lossy: bool,
+    /// The least square of a sine of equations of hubs, as found before a run.
+    of_hubs: f64,
     late_at_start: Late,
     late_at_trial: Late,
     /// In place of the factor at the start.
@@ -109,6 +111,7 @@ impl<const D: usize> Elimination<D> {
             at_start: factor.clone(),
             at_trial: factor,
             lossy: false,
+            of_hubs: f64::INFINITY,
             late_at_start: late.clone(),
             late_at_trial: late,
             #[cfg(feature = "faer")]
@@ -164,11 +167,25 @@ impl<const D: usize> Elimination<D> {
 
     /// Notes the least square of a sine of the matrix that Λ is asked of from now on.
     pub(crate) fn note_least(&mut self, square: f64) {
-        self.lossy = square < LOSSY;
+        self.lossy = square.min(self.of_hubs) < LOSSY;
     }
 
     pub(crate) fn is_lossy(&self) -> bool {
         self.lossy
+    }
+
+    /// The same of the normals just taken over for the equations of hubs, whose pivots are formed of less than their
+    /// entries. Allocates.
+    pub(crate) fn judge_hubs(&mut self, rows: &Rows, roots: &[Root<D>]) -> (f64, usize) {
+        self.of_hubs = f64::INFINITY;
+        let mut weakest = (f64::INFINITY, 0);
+        if !self.hubs.bodies.is_empty() {
+            let matrix = WithHubs::<'_, D, false> { elimination: self, rows, blocks: &self.normals, roots };
+            weakest = matrix.weakest_of_hubs();
+            self.of_hubs = weakest.0;
+            self.lossy |= self.of_hubs < LOSSY;
+        }
+        (weakest.0.max(0.0).sqrt(), weakest.1)
     }
 
     /// Takes the normals over. Returns the square of the sine.
@@ -504,9 +521,49 @@ impl<const D: usize, const SYMMETRIC: bool> WithHubs<'_, D, SYMMETRIC> {
     }
 
     /// The diagonal entry that an equation would have without hubs.
+    #[inline(always)]
     fn diagonal(&self, row: usize) -> f64 {
         let lifted = &self.elimination.lifted;
         self.rows.blocks_of(row).map(|(block, _)| dot(&self.blocks[block], &lifted[block])).sum()
+    }
+
+    /// The least square of the sine of an equation to those before, and its row: what is left of its diagonal entry,
+    /// its pivot and what its hubs can still do for it, of the whole.
+    #[cold]
+    #[inline(never)]
+    fn weakest_of_hubs(&self) -> (f64, usize) {
+        let Elimination { hubs, pattern, equations, at_start, late_at_start, .. } = self.elimination;
+        let identity: [[f64; D]; D] = from_fn(|i| from_fn(|j| if i == j { 1.0 } else { 0.0 }));
+        let mut free = vec![identity; hubs.bodies.len()]; // what hubs can do, the equations before held
+        let mut of_hubs: Vec<(usize, [f64; D])> = Vec::new();
+        let mut weakest = (f64::INFINITY, 0);
+        for (k, &row) in pattern.order.iter().enumerate() {
+            if row >= *equations || late_at_start.rows().contains(&row) {
+                continue;
+            }
+            let (pivot, entries) = at_start.row(pattern, k);
+            of_hubs.clear();
+            for (column, entry) in entries {
+                let Some(coordinate) = pattern.order[column].checked_sub(*equations) else { continue };
+                let (hub, d) = (coordinate / D, coordinate % D);
+                if of_hubs.iter().all(|&(other, _)| other != hub) {
+                    of_hubs.push((hub, [0.0; D]));
+                }
+                of_hubs.iter_mut().filter(|of| of.0 == hub).for_each(|(_, along)| along[d] = entry);
+            }
+            let way = |free: &[[f64; D]; D], along| free.map(|line| dot(&line, along));
+            let by_hubs = of_hubs.iter().map(|(hub, along)| dot(along, &way(&free[*hub], along)).max(0.0));
+            let left = pivot + by_hubs.sum::<f64>();
+            for (hub, along) in &of_hubs {
+                let way = way(&free[*hub], along);
+                free[*hub] = from_fn(|i| add_scaled(&free[*hub][i], -way[i] / left, &way));
+            }
+            let square = left / self.diagonal(row);
+            if square < weakest.0 || square.is_nan() {
+                weakest = (square, row);
+            }
+        }
+        weakest
     }
 
     /// Returns the smallest ratio of a pivot to its diagonal entry, and its row.

@@ -76,6 +76,17 @@ impl Factor {
         self.inverse[k] = 1.0;
     }
 
+    /// The pivot of row k, and its entries beyond with their columns.
+    pub(super) fn row<'a>(
+        &'a self,
+        pattern: &'a Pattern,
+        k: usize,
+    ) -> (f64, impl Iterator<Item = (usize, f64)> + 'a) {
+        let (pivot, range) = (1.0 / self.inverse[k], pattern.upper_start[k]..pattern.upper_start[k + 1]);
+        let entries = pattern.upper[range.clone()].iter().zip(&self.upper[range]);
+        (pivot, entries.map(move |(&column, u)| (column, pivot * u)))
+    }
+
     /// Subtracts rows j to `past` of U, which are alike; entry `at` of L is the first of theirs.
     fn subtract_together(&mut self, pattern: &Pattern, at: usize, j: usize, past: usize) {
         let Self { lower, upper, inverse, line, gathered } = self;

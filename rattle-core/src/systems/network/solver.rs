@@ -171,7 +171,8 @@ impl<const D: usize> Solver<D> {
             let found = self.normals(rows, blocks, roots);
             let Self::Elimination(elimination) = self else { return found };
             if !elimination.make_room() {
-                return found;
+                let of_hubs = elimination.judge_hubs(rows, roots);
+                return if of_hubs.0 < found.0 { of_hubs } else { found };
             }
         }
     }
