@@ -12,6 +12,8 @@ mod dop853;
 mod lobatto;
 #[path = "../lobatto_ends.rs"]
 mod lobatto_ends;
+#[path = "../lobatto_linked.rs"]
+mod lobatto_linked;
 #[path = "../planted_faults.rs"]
 mod planted_faults;
 #[path = "../systems.rs"]

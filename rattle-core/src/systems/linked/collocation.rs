@@ -8,8 +8,12 @@
 //! δλⱼ = −Σᵢ (h² a)⁻¹ⱼᵢ (G₀M⁻¹G₀ᵀ)⁻¹ rᵢ
 //! ```
 //!
-//! This contracts by about the angle that normals turn within the step, relative to a right angle: fast for accurate
-//! steps.
+//! This contracts by about the angle that normals turn within the step, relative to a right angle, times √(M/m) where
+//! links join a body of mass m to bodies of mass M, and divided by the sine of a normal to the others: fast for accurate
+//! steps of bodies that are about as heavy, and not at all for a light body with many heavy arms.
+//!
+//! What rounding makes of a displacement is larger by 1 over that sine. Where displacements do not become smaller above
+//! the rounding of coordinates, they are measured by that.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
@@ -26,12 +30,17 @@ use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use crate::systems::linked::kept::{BodiesOf, Furthest, Linked, along};
 use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
+use crate::systems::network::solver::CLEARLY;
 
 /// Iterations after which a step is given up …
 const MAX_ITERATIONS: usize = 100;
 
 /// … and after which it is begun again with the acceleration at its start.
 const PATIENCE: usize = 20;
+
+/// Where displacements still do not become smaller after so many, they may be rounding, see
+/// [`allow_for_angles`](Linked::allow_for_angles); before, they may do so on the way to the stages.
+const SETTLED: usize = 12;
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     /// One step of the collocation method with this table.
@@ -160,7 +169,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         for (component, size) in shape.components.iter().zip(&mut stages.sizes) {
             *size = size_along_normals(&component.rows, &start[component.first.1..], bodies.q.as_ref());
         }
-        let mut last = f64::INFINITY;
+        let (mut last, mut allowed) = (f64::INFINITY, false);
         for iteration in 0..patience {
             for stage in 1..S {
                 for body in 0..n {
@@ -244,9 +253,15 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 }
             }
             let contraction = worst / last;
-            let stalled = iteration > 3 && contraction >= 0.9 && worst < NOISE * long;
-            if worst <= LAST_OF_STAGES || stalled {
+            let stalled = iteration > 3 && contraction >= 0.9;
+            if worst <= LAST_OF_STAGES || (stalled && worst < NOISE * long) {
                 return Ok(());
+            }
+            if stalled && iteration > SETTLED && !allowed && worst.is_finite() {
+                (last, allowed) = (f64::INFINITY, true);
+                if self.allow_for_angles(bodies, &mut stages.sizes) {
+                    continue;
+                }
             }
             if !worst.is_finite() || (iteration > 20 && contraction > 0.95) {
                 for stage in 1..S {
@@ -266,6 +281,24 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         }
         let cause = MethodFailure::StagesNotSolved { h, stages: S, iterations: patience, left: last }.into();
         Err(Failure { body: 0, cause })
+    }
+
+    /// Divides the size of what is rounded by the sine of the least independent normal, in components whose normals are
+    /// not clearly independent at the start of the step. Returns whether there are any.
+    #[cold]
+    #[inline(never)]
+    fn allow_for_angles(&self, bodies: &mut BodiesOf<F, N, D>, sizes: &mut [f64]) -> bool {
+        let (tied, q, time) = (&mut bodies.kept.tied, bodies.q.as_ref(), bodies.time);
+        let mut some = false;
+        for (c, (component, size)) in self.shape.components.iter().zip(sizes).enumerate() {
+            let (sine, _) = tied.normals(&self.shape, c, time, q);
+            let independent = tied.solvers[c].rank(&component.rows) == component.rows.equations();
+            if independent && 0.0 < sine && sine < CLEARLY {
+                *size /= sine;
+                some = true;
+            }
+        }
+        some
     }
 
     /// h² Σⱼ aᵢⱼ M⁻¹(change of stage j) of every body.
