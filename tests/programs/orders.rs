@@ -16,6 +16,8 @@ mod lobatto_ends;
 mod lobatto_linked;
 #[path = "../planted_faults.rs"]
 mod planted_faults;
+#[path = "../staggered.rs"]
+mod staggered;
 #[path = "../systems.rs"]
 mod systems;
 #[path = "../taylor.rs"]

@@ -59,6 +59,24 @@ pub(in crate::run) fn residuals<Y: System<f64, D>, const D: usize>(
     of_equations(system, |out| system.residuals(bodies, out))
 }
 
+/// What a question has for an answer where momenta are at the time of positions: kicked by what they are later, and
+/// made tangent, as a step of h does.
+pub(in crate::run) fn at_one_time<Y: System<f64, D>, R, const D: usize>(
+    system: &Y,
+    bodies: &BodiesOf<Y, f64, D>,
+    [later, h]: [f64; 2],
+    question: impl FnOnce(&Y, &BodiesOf<Y, f64, D>) -> R,
+) -> R {
+    if later == 0.0 || system.equations() == 0 {
+        return question(system, bodies);
+    }
+    let mut together = bodies.clone();
+    match system.settle(-later, h, &mut together, &mut ()) {
+        Ok(()) => question(system, &together),
+        Err(_) => question(system, bodies),
+    }
+}
+
 /// λ of each equation.
 pub(in crate::run) fn multipliers<Y: System<f64, D>, const D: usize>(
     system: &Y,

@@ -156,7 +156,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// * [flows](crate::effect::Flow) of momenta: drag, friction, heat, `force!`;
     /// * inelastic [impacts](Self::collide) (negative).
     ///
-    /// A potential that jumps at an instant does work that is not booked: U has to be continuous in t.
+    /// A potential that jumps at an instant does work that is not booked: U has to be continuous in t. Where momenta are
+    /// [half a step apart](Self::momentum_time), it is the work from their time at the start to their time now.
     pub fn work(&self) -> f64 {
         self.bodies.work
     }
@@ -198,14 +199,15 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// Multipliers λ of the equations (by link, then member, then equation), from g̈ = 0 at the present state; accurate
-    /// to the order of the method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|². Here f are potentials and driven
+    /// to the order of the method. Where momenta are [half a step apart](Self::momentum_time), they are first brought to
+    /// the time of the positions. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|². Here f are potentials and driven
     /// potentials: what constraints answer to [flows](crate::effect::Flow), such as a `force!`, drag or a magnetic
     /// field, is not in λ.
     ///
     /// Of redundant equations they are those of least norm, each in the unit of a normal of length 1 in the metric of M⁻¹:
     /// how a load is divided among too many links depends on masses, not on how stiff links would be.
     pub fn multipliers(&self) -> Vec<f64> {
-        answers::multipliers(&self.system, &self.bodies)
+        self.at_one_time(&self.bodies, answers::multipliers)
     }
 
     /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method, without what
@@ -215,7 +217,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     #[doc(alias = "tension")]
     #[doc(alias = "stress")]
     pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
-        answers::constraint_forces(&self.system, &self.bodies)
+        self.at_one_time(&self.bodies, answers::constraint_forces)
     }
 
     /// Writes the present state.
@@ -277,6 +279,16 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             && vectors(p).eq(sight.momenta.iter().copied())
     }
 
+    /// What a question has for an answer where momenta are at the time of positions.
+    fn at_one_time<R>(
+        &self,
+        bodies: &BodiesOf<Y, f64, D>,
+        question: impl FnOnce(&Y, &BodiesOf<Y, f64, D>) -> R,
+    ) -> R {
+        let apart = [self.method.momentum_delay(), self.method.step_size()];
+        answers::at_one_time(&self.system, bodies, apart, question)
+    }
+
     /// What a question has for an answer at the bodies that a sight shows.
     fn answer<R>(&self, sight: &Sight<'_, D>, question: impl FnOnce(&Y, &BodiesOf<Y, f64, D>) -> R) -> R {
         if self.is_at(sight) {
@@ -312,7 +324,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S
     }
 
     fn constraints(&self, _: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-        self.answer(sight, answers::constraints)
+        self.answer(sight, |_, bodies| self.at_one_time(bodies, answers::constraints))
     }
 
     fn rates(&self, _: usize, sight: &Sight<'_, D>) -> [Vec<SVector<f64, D>>; 2] {
