@@ -30,6 +30,12 @@ use crate::number::real::Scalar;
 /// assert_eq!(Lobatto::<5>::new(0.05).order(), 8);
 /// ```
 ///
+/// The iteration for the stages of linked bodies takes the normals of the start, and steps have to be short where they
+/// do not stand for those of the stages: it contracts by the angle that normals turn in the step, times √(M/m) where
+/// a body of mass m holds bodies of mass M, and divided by the sine of a link's normal to the others. Where it does not
+/// contract, the step is an error; [`Taylor`](crate::methods::taylor::Taylor),
+/// [`Dop853`](crate::methods::dop853::Dop853) and [`Rattle`](crate::methods::rattle::Rattle) do not care.
+///
 /// The iteration for the stages begins with the acceleration at the start (`G` = [`FromState`]), so a step is a pure
 /// function of the state. With [`guess`](Self::guess) it begins with values extrapolated from the stages of the step
 /// before.

@@ -17,7 +17,8 @@ pub enum MethodFailure {
     },
     /// The stages of a collocation method were not solved to rounding.
     #[error(
-        "the {stages} stages of a step h = {h:.3e} did not converge: {}; try a smaller step", ended(*iterations, *left)
+        "the {stages} stages of a step h = {h:.3e} did not converge: {}; try a smaller step, or another method where a light \
+         body holds heavy ones or links nearly depend on each other", ended(*iterations, *left)
     )]
     StagesNotSolved {
         /// The step size.
