@@ -9,12 +9,13 @@ use crate::run::ensemble::row::LOOKING;
 use crate::solve::crowd::{FARTHER, is_alone, reach, rises, shares, shift};
 use std::borrow::Borrow;
 
-/// An error for the first lane that has another sheet near, after so many steps: where g does not rise along the
-/// normal, of this square, at some share of this factor of the normal to both sides; see [`crate::solve::crowd`].
+/// An error for the first of these lanes that has another sheet near, after so many steps: where g does not rise along
+/// the normal, of this square, at some share of this factor of the normal to both sides; see [`crate::solve::crowd`].
 #[inline(always)]
 pub(super) fn look_around<S: Lane, const L: usize, const D: usize>(
     laws: &impl Laws<S, D>,
     steps: u64,
+    lanes: &[bool; L],
     q: &Vectors<S, L, D>,
     normal: &Vectors<S, L, D>,
     square: &[S; L],
@@ -29,7 +30,7 @@ pub(super) fn look_around<S: Lane, const L: usize, const D: usize>(
             least[i] = S::select(rises.le(least[i]), rises, least[i]);
         }
     }
-    let crowded = least.iter().position(|&least| !S::default().le(least));
+    let crowded = (0..L).find(|&lane| lanes[lane] && !S::default().le(least[lane]));
     crowded.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
 }
 
@@ -52,7 +53,7 @@ pub(super) fn look_as_far<S: Lane, const L: usize, const D: usize>(
         square[l] = dot(&n, &n);
         furthest[l] = shift(asked[l], square[l], dot(&p, &p), dot(&n, &at(pull, l)));
     }
-    look_around(laws, steps, q, normal, &square, &furthest)
+    look_around(laws, steps, &[true; L], q, normal, &square, &furthest)
 }
 
 /// Has lanes look around that have gone farther astray than was looked. Returns whether nothing speaks against the

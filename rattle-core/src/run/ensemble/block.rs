@@ -362,12 +362,13 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         rows
     }
 
-    /// Whether no other sheet is near a body, after so many steps; see [`crate::solve::crowd`]. A lane's
-    /// momentum is taken to be no less than this.
+    /// Whether no other sheet is near the body of one of these lanes, after so many steps; see
+    /// [`crate::solve::crowd`]. A lane's momentum is taken to be no less than this.
     #[inline(always)]
     pub(super) fn look_around(
         &self,
         steps: u64,
+        lanes: &[bool; L],
         laws: &impl Laws<S, D>,
         parts: &[Part],
         least: impl Fn(usize) -> f64,
@@ -380,7 +381,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
             let pushed = laws.kick(i, &at(q, i), part.push(), [S::default(); D]);
             furthest[i] = part.furthest(back, &at(way, i), &pushed, &at(normal, i), square[i], least(i));
         }
-        look_around(laws, steps, q, normal, square, &furthest)
+        look_around(laws, steps, lanes, q, normal, square, &furthest)
     }
 
     /// Whether all momenta are numbers, as they are kept and as they are shown.

@@ -91,7 +91,7 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
             numbers[plan.places.trial + c] = numbers[plan.places.q + c]; // where pinned bodies stay
         }
         if from == 0 {
-            course.look_around(0, &parts[*part], &[], numbers, &mut pulling)?;
+            course.look_around((0, &[1; W]), &parts[*part], &[], numbers, &mut pulling)?;
         }
         let of_step = if *equal { 1 } else { parts.len() };
         let (mut now, end) = (from, from + steps);
@@ -103,7 +103,7 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
                 course.rest(numbers);
             }
             if now % EVERY == 0 || (looks && now == end) {
-                course.look_around(now, &parts[*part], &[], numbers, &mut pulling)?;
+                course.look_around((now, &[1; W]), &parts[*part], &[], numbers, &mut pulling)?;
             }
         }
         let way = &numbers[plan.places.way..plan.places.way + plan.coordinates];

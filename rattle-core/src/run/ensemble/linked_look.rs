@@ -10,21 +10,21 @@ use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::linked_plan::Places;
 use crate::run::ensemble::linked_row::{Course, LinkedRow, each, two_sum};
 use crate::solve::crowd::{self, PATH, RISES, ROOT_3, shares};
-use crate::systems::network::in_lanes::{Numbers, zeros};
+use crate::systems::network::in_lanes::{Numbers, Which, zeros};
 
 impl<const W: usize> Course<'_, W> {
-    /// Whether no other sheets are near, after so many steps; see [`crate::solve::crowd`]. Where flows stir bodies,
-    /// ways are taken to be no shorter than the `least` of each coordinate, which is empty elsewhere.
+    /// Whether no other sheets are near these lanes, after so many steps; see [`crate::solve::crowd`]. Where flows stir
+    /// bodies, ways are taken to be no shorter than the `least` of each coordinate, which is empty elsewhere.
     #[inline(always)]
     pub(super) fn look_around(
         &self,
-        steps: u64,
+        (steps, lanes): (u64, &Which<W>),
         part: &Part,
         least: &[Numbers<W>],
         numbers: &mut [Numbers<W>],
         pulling: &mut Option<&mut (dyn Pulling<LinkedRow, W> + '_)>,
     ) -> Result<(), Stuck> {
-        self.set.run(Look { course: self, steps, part, least, numbers, pulling })
+        self.set.run(Look { course: self, steps, lanes, part, least, numbers, pulling })
     }
 
     /// Writes velocities, times the unit of the part to come and along the constraints, to `free`, and what rounding
@@ -68,6 +68,7 @@ impl<const W: usize> Course<'_, W> {
 struct Look<'a, 'b, 'c, 'd, const W: usize> {
     course: &'a Course<'b, W>,
     steps: u64,
+    lanes: &'a Which<W>,
     part: &'a Part,
     least: &'a [Numbers<W>],
     numbers: &'a mut [Numbers<W>],
@@ -79,7 +80,7 @@ impl<const W: usize> Work for Look<'_, '_, '_, '_, W> {
 
     #[inline(always)]
     fn run(self) -> Result<(), Stuck> {
-        let Self { course, steps, part, least, numbers, pulling } = self;
+        let Self { course, steps, lanes, part, least, numbers, pulling } = self;
         let Course { plan, links, set, .. } = *course;
         let (n, m) = (plan.coordinates, plan.equations);
         let Places { q, way, lifted, guess, last, earlier, square, diagonal, .. } = plan.places;
@@ -119,7 +120,7 @@ impl<const W: usize> Work for Look<'_, '_, '_, '_, W> {
                 crowd::furthest(reach * back, along, pushed * push / entry)
             });
         }
-        let mut crowded = [0.0; W];
+        let mut crowded = [0; W];
         for share in shares(steps) {
             for i in 0..m {
                 each(lambda + i, [ways + i], numbers, |[furthest]| Fused(share) * furthest);
@@ -131,11 +132,11 @@ impl<const W: usize> Work for Look<'_, '_, '_, '_, W> {
                 let (slope, square) = (&numbers[diagonal + i], &numbers[square + i]);
                 for l in 0..W {
                     let rises = RISES * square.0[l].0 <= slope.0[l].0;
-                    crowded[l] = if rises { crowded[l] } else { 1.0 };
+                    crowded[l] = if rises { crowded[l] } else { lanes[l] };
                 }
             }
         }
-        let crowded = crowded.iter().position(|&crowded| crowded != 0.0);
+        let crowded = crowded.iter().position(|&crowded| crowded != 0);
         crowded.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
     }
 }

@@ -14,7 +14,8 @@ use crate::run::ensemble::linked_stirring::{Answer, RowStirring};
 use crate::run::ensemble::rhythm::{InRhythm, When};
 use crate::run::ensemble::stirred::LARGER;
 use crate::solve::crowd::EVERY;
-use crate::systems::network::in_lanes::{Numbers, lost, zeros};
+use crate::systems::network::in_lanes::{Numbers, Which, lost, zeros};
+use std::array::from_fn;
 
 /// Some steps of a row with flows, after so many.
 pub(super) struct StirredSteps<'a, 'b, const W: usize> {
@@ -52,7 +53,7 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
             if self.stirring.rhythm.renews {
                 self.forget();
             }
-            self.look_around(0)?;
+            self.look_around(0, &[1; W])?;
         }
         self.evaluate();
         for now in from..end {
@@ -62,7 +63,7 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
                 self.course.rest(self.numbers);
             }
             if taken % EVERY == 0 || (looks && taken == end) {
-                self.look_around(taken)?;
+                self.look_around(taken, &[1; W])?;
                 self.evaluate();
             }
         }
@@ -142,19 +143,22 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
         lost.map_or(Ok(()), |lane| Err(Stuck::not_finite(lane)))
     }
 
-    /// Asks whether other sheets are near, after so many steps, and sets limits.
+    /// Asks whether other sheets are near these lanes, after so many steps, and sets their limits.
     #[inline(always)]
-    fn look_around(&mut self, steps: u64) -> Result<(), Stuck> {
+    fn look_around(&mut self, steps: u64, lanes: &Which<W>) -> Result<(), Stuck> {
         let Self { course, stirring, kick, numbers, pulling, limits, .. } = self;
         let part = Part { kick: course.parts[0].kick.max(*kick), ..course.parts[0] };
-        course.look_around(steps, &part, &stirring.least, numbers, pulling)?;
+        course.look_around((steps, lanes), &part, &stirring.least, numbers, pulling)?;
         let way = course.plan.places.way;
         let fastest = stirring.fastest(&numbers[way..way + course.plan.coordinates], true);
-        limits.iter_mut().zip(fastest).for_each(|(limit, fastest)| *limit = LARGER * fastest);
+        for (l, limit) in limits.iter_mut().enumerate().filter(|&(l, _)| lanes[l] != 0) {
+            *limit = LARGER * fastest[l];
+        }
         Ok(())
     }
 
-    /// The same at once, at as many places as at first, where a lane is faster than its limit.
+    /// The same at once, at as many places as at first, for lanes that are faster than their limits; for no others, so
+    /// that what becomes of a lane depends on that lane alone.
     #[inline(always)]
     fn heed(&mut self) -> Result<(), Stuck> {
         let way = self.course.plan.places.way;
@@ -163,6 +167,10 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
         for (limit, fastest) in self.limits.iter().zip(fastest) {
             within &= fastest <= *limit;
         }
-        if within { Ok(()) } else { self.look_around(0) }
+        if within {
+            return Ok(());
+        }
+        let beyond = from_fn(|l| u64::from(self.limits[l] < fastest[l]));
+        self.look_around(0, &beyond)
     }
 }

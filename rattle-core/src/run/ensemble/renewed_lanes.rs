@@ -30,6 +30,7 @@ use crate::run::ensemble::stirring::DEVIATIONS;
 use crate::run::fingerprint::Looks;
 use crate::solve::crowd::EVERY;
 use std::any::Any;
+use std::array::from_fn;
 use std::hint::black_box;
 
 /// A block, what its lanes obey, and what they draw.
@@ -228,7 +229,7 @@ where
             }
             for now in from..from + steps {
                 if now % EVERY == 0 {
-                    steps_of.look_around(now)?;
+                    steps_of.look_around(now, &[true; L])?;
                 }
                 let start = steps_of.block.q;
                 lanes.rhythm.step(&mut steps_of, now, 1)?;
@@ -260,14 +261,14 @@ struct Stepping<'a, S, X, const L: usize, const D: usize, const SUMS: usize> {
 impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize>
     Stepping<'_, S, X, L, D, SUMS>
 {
-    /// Asks whether other sheets are near, after so many steps, as far as momenta may lead that are drawn until it is
-    /// asked again.
+    /// Asks whether other sheets are near these lanes, after so many steps, as far as momenta may lead that are drawn
+    /// until it is asked again.
     #[inline(always)]
-    fn look_around(&mut self, steps: u64) -> Result<(), Stuck> {
+    fn look_around(&mut self, steps: u64, these: &[bool; L]) -> Result<(), Stuck> {
         let Self { lanes, laws, block, limits, .. } = self;
         let least = DEVIATIONS * lanes.renewal.deviation;
-        block.look_around(steps, *laws, &[lanes.whole], |_| least)?;
-        for (l, limit) in limits.iter_mut().enumerate() {
+        block.look_around(steps, these, *laws, &[lanes.whole], |_| least)?;
+        for (l, limit) in limits.iter_mut().enumerate().filter(|&(l, _)| these[l]) {
             let way = at(&block.way, l);
             *limit = LARGER * LARGER * dot(&way, &way).to_f64().max(least * least);
         }
@@ -308,12 +309,20 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize> 
     #[inline(always)]
     fn lead(&mut self) -> Result<(), Stuck> {
         lead(self.block, self.laws, &self.lanes.drift, self.lanes.renewal.kick);
-        let mut within = true;
-        for (l, limit) in self.limits.iter().enumerate() {
-            let way = at(&self.block.way, l);
-            within &= dot(&way, &way).to_f64() <= *limit;
+        let within = |lanes: &Self, l: usize| {
+            let way = at(&lanes.block.way, l);
+            dot(&way, &way).to_f64() <= lanes.limits[l] // not where it is no number
+        };
+        let mut all = true;
+        for l in 0..L {
+            all &= within(self, l);
         }
-        if within { Ok(()) } else { self.look_around(0) }
+        if all {
+            return Ok(());
+        }
+        // No others, so that what becomes of a lane depends on that lane alone.
+        let beyond = from_fn(|l| !within(self, l));
+        self.look_around(0, &beyond)
     }
 
     #[inline(always)]

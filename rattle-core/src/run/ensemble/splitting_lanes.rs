@@ -484,7 +484,7 @@ where
         while let Some(Leg { from, steps, written, shown }) = tour.next() {
             let (mut now, end) = (from, from + steps);
             if now == 0 && end > 0 {
-                look_around(&desk.block, &laws, parts, stirs.as_mut(), now)?;
+                look_around(&desk.block, &laws, parts, stirs.as_mut(), now, &[true; L])?;
             }
             while now < end {
                 let stop = end.min((now / every + 1) * every);
@@ -493,7 +493,7 @@ where
                 }
                 now = stop;
                 if now % every == 0 || (now == end && shown) {
-                    look_around(&desk.block, &laws, parts, stirs.as_mut(), now)?;
+                    look_around(&desk.block, &laws, parts, stirs.as_mut(), now, &[true; L])?;
                 }
             }
             if steps > 0 && (shown || written.is_none()) {

@@ -12,6 +12,7 @@ use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
 use crate::run::ensemble::rhythm::{InRhythm, When};
 use crate::run::ensemble::stirring::{Asking, Stirred, Stirring};
+use std::array::from_fn;
 use std::borrow::Borrow;
 
 /// What stirs lanes, the kick before a step where flows act before that, the instructions, and the account of each
@@ -35,7 +36,7 @@ pub(super) fn limit<S: Lane, const D: usize>(work: f64, p: &[S; D], least: f64) 
     work + 0.5 * (LARGER * LARGER - 1.0) * dot(p, p).to_f64().max(least * least)
 }
 
-/// Asks whether other sheets are near, after so many steps, and sets [limits](limit).
+/// Asks whether other sheets are near these lanes, after so many steps, and sets their [limits](limit).
 #[inline(always)]
 pub(super) fn look_around<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
     block: &Block<S, L, D, SUMS, EQUAL>,
@@ -43,6 +44,7 @@ pub(super) fn look_around<S, X, const L: usize, const D: usize, const SUMS: usiz
     parts: &[Part],
     stirs: Option<&mut Stirs<'_, S, L, D>>,
     steps: u64,
+    lanes: &[bool; L],
 ) -> Result<(), Stuck>
 where
     S: Lane,
@@ -51,16 +53,17 @@ where
     if const { X::Forces::FLOWS > 0 }
         && let Some(Stirs { stirring, work, limits, .. }) = stirs
     {
-        block.look_around(steps, laws, parts, |lane| stirring.momentum(lane))?;
-        for l in 0..L {
+        block.look_around(steps, lanes, laws, parts, |lane| stirring.momentum(lane))?;
+        for l in (0..L).filter(|&l| lanes[l]) {
             limits[l] = limit(work[l], &at(&block.way, l), stirring.momentum(l));
         }
         return Ok(());
     }
-    block.look_around(steps, laws, parts, |_| 0.0)
+    block.look_around(steps, lanes, laws, parts, |_| 0.0)
 }
 
-/// The same at once, at as many places as at first, where the work of flows is beyond its limit.
+/// The same at once, at as many places as at first, for lanes where the work of flows is beyond its limit; for no
+/// others, so that what becomes of a lane depends on that lane alone.
 #[inline(always)]
 fn heed<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
     block: &Block<S, L, D, SUMS, EQUAL>,
@@ -72,11 +75,16 @@ where
     S: Lane,
     X: Laws<S, D>,
 {
-    let mut within = true;
+    let within = |stirs: &Stirs<'_, S, L, D>, l: usize| stirs.work[l] <= stirs.limits[l]; // not where it is no number
+    let mut all = true;
     for l in 0..L {
-        within &= stirs.work[l] <= stirs.limits[l];
+        all &= within(stirs, l);
     }
-    if within { Ok(()) } else { look_around(block, laws, parts, Some(stirs), 0) }
+    if all {
+        return Ok(());
+    }
+    let beyond = from_fn(|l| !within(stirs, l));
+    look_around(block, laws, parts, Some(stirs), 0, &beyond)
 }
 
 /// A step of the method with flows, after so many.
