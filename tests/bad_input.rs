@@ -3,8 +3,10 @@
 
 use rattle::Error;
 use rattle::Rigid;
+use rattle::effect::Stop;
 use rattle::error::{NetworkMistake, PhaseMistake, RigidFailure, StartFailure, StepFailure, SurfaceFailure};
 use rattle::links::Rod;
+use rattle::potentials::{Harmonic, Wca};
 use rattle::prelude::*;
 use rattle::surfaces::{Plane, Sphere};
 use rattle::watch::{Histogram, Mean, ShadowEnergy, Sight};
@@ -14,6 +16,10 @@ potential! {
     struct Spring { k }
     |a, b| k * (a - b)^2 / 2
 }
+
+potential! { struct Shaken { a } |x, _y, t| a * x * sin(t) }
+phase_constraint! { struct Circle { r } |q, p| q^2 + p^2 - r^2 }
+hamiltonian! { struct Falling { g } |q, p| p^2 / 2 + g * q }
 
 force! {
     /// Another push where the body goes back.
@@ -47,6 +53,11 @@ fn nobody_is_moved_by_every_method() {
     let (scene, nobody) = (Scene::on(Sphere { r: 1.0 }).bodies(0), State::of(Vec::<[f64; 3]>::new()));
     scene.simulate(nobody.clone(), Rattle::new(0.1)).unwrap().run(3).unwrap();
     scene.simulate(nobody, Taylor::adaptive(8, 0.1, 1e-9)).unwrap().run(3).unwrap();
+    let scene = Scene::points::<2>(0);
+    let mut several = scene.ensemble(vec![State::of(Vec::<[f64; 2]>::new()); 3], Rattle::new(0.1)).unwrap();
+    several.run(3);
+    let written = several.checkpoint();
+    several.resume(&written).unwrap();
     let (scene, nobody) = (Scene::rigid(Rigid::new([1.0; 3])).bodies(0), State::of(Vec::<[f64; 9]>::new()));
     scene.simulate(nobody.clone(), Rattle::new(0.1)).unwrap().run(3).unwrap();
     scene.simulate(nobody.clone(), Dop853::adaptive(0.1, 1e-9)).unwrap().run(3).unwrap();
@@ -455,4 +466,57 @@ fn brownian_motion_has_no_velocities_to_choose_by() {
     let mut back = Scene::point().with(Thrust { f: -0.1 }).simulate(start(), Rattle::new(0.01)).unwrap();
     back.run(100).unwrap();
     assert!((back.momentum()[0] - -0.05).abs() < 1e-3, "{}", back.momentum()); // 0.1 − 0.2·0.5 − 0.1·0.5
+}
+
+#[test]
+fn a_parameter_that_is_nan_is_told_by_its_name() {
+    let named = |result: Result<(), Error>| match result.unwrap_err() {
+        Error::NanParameter { formula, parameter } => format!("{formula}.{parameter}"),
+        other => panic!("{other}"),
+    };
+    macro_rules! moved {
+        ($scene:expr, $start:expr) => {
+            named($scene.simulate(State::of($start), Rattle::new(0.01)).map(|_| ()))
+        };
+    }
+    let (nan, two, line) = (f64::NAN, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], [[0.0], [1.0]]);
+    let (pair, beads, plane) = (Scene::points::<3>(2), Scene::points::<1>(2), [[0.0, 0.0], [1.0, 0.0]]);
+    let wca = Wca { epsilon: 1.0, sigma: nan };
+    assert_eq!(moved!(pair.clone().with(wca), two), "Wca.sigma");
+    assert_eq!(moved!(pair.clone().with(wca.within(2.0)), two), "Wca.sigma");
+    assert_eq!(moved!(pair.clone().with(Kinds::new([0, 0], [wca])), two), "Wca.sigma");
+    assert_eq!(moved!(pair.clone().with(Kinds::new([0, 0], [wca.within(2.0)])), two), "Wca.sigma");
+    let sphere = Scene::on(Sphere { r: nan }).bodies(2).with(wca);
+    assert_eq!(moved!(sphere, two), "Sphere.r");
+    assert_eq!(named(sphere.project(&State::of(two)).map(|_| ())), "Sphere.r");
+    let spring = |k| Spring { k };
+    assert_eq!(moved!(beads.clone().with(spring(nan).over([[0, 1]])), line), "Spring.k");
+    let each = Over::each([(spring(1.0), [0, 1]), (spring(nan), [1, 0])]);
+    assert_eq!(moved!(beads.clone().with(each), line), "Spring.k");
+    let in_plane = Scene::points::<2>(2);
+    assert_eq!(moved!(in_plane.clone().with(Thrust { f: nan }), plane), "Thrust.f");
+    assert_eq!(
+        moved!(in_plane.clone().with(Harmonic { stiffness: 1.0, centre: [0.0, nan] }), plane),
+        "Harmonic.centre"
+    );
+    assert_eq!(moved!(in_plane.clone().with(Shaken { a: nan }), plane), "Shaken.a");
+    let rods = pair.clone().link_each([(Rod { length: 1.0 }, [0, 1]), (Rod { length: nan }, [1, 0])]);
+    assert_eq!(moved!(rods, two), "Rod.length");
+    let free = pair.simulate(State::of(two), Rattle::new(0.01)).unwrap();
+    let wall = Plane { a: 1.0, b: 0.0, c: nan, d: 0.0 };
+    assert_eq!(named(free.collide(Stop::above(wall)).map(|_| ())), "Plane.c");
+    let hopf = Scene::in_phase_space(Circle { r: 1.0 }, Falling { g: nan });
+    assert_eq!(named(hopf.project(&State::at([1.0])).map(|_| ())), "Falling.g");
+    let starts = [0.5, nan].map(|r| (Scene::on(Sphere { r }), State::at([r, 0.0, 0.0])));
+    assert_eq!(
+        named(
+            Ensemble::sweep(
+                Double,
+                starts.iter().map(|(scene, start)| (scene, start.clone())),
+                Rattle::new(0.1)
+            )
+            .map(|_| ())
+        ),
+        "Sphere.r"
+    );
 }

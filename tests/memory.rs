@@ -261,3 +261,28 @@ fn properties_of_a_base_are_those_of_what_is_made_of_it() {
     moved.run(10).unwrap();
     assert_eq!(still.position(), moved.position());
 }
+
+potential! { struct Pull { k } |q: [f64; 3]| k * dot(q, q) / 2 }
+
+/// What a bath remembers belongs to a scene, whatever the units: accelerations are compared with accelerations alone.
+#[test]
+fn the_memory_of_another_scene_is_dropped() {
+    for unit in [1.0, 1e-21, 1e21] {
+        let scene = |mass: f64| Scene::points::<3>(2).mass(mass * unit).with(Pull { k: unit });
+        let method = NoseHoover::new(unit, 1.0, 0.1);
+        let start = State::of([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]])
+            .with_momenta([[0.0, unit, 0.0], [0.3 * unit, 0.0, unit]]);
+        let mut run = scene(1.0).simulate(start, method).unwrap();
+        run.run(20).unwrap();
+        let reached = run.state();
+        let anew = State::of(reached.positions()).with_momenta(reached.momenta());
+        for (mass, remembers) in [(1.0, true), (3.0, false)] {
+            let ends = [&reached, &anew].map(|state| {
+                let mut run = scene(mass).simulate(state.clone(), method).unwrap();
+                run.run(5).unwrap();
+                run.positions().collect::<Vec<_>>()
+            });
+            assert_eq!(ends[0] != ends[1], remembers, "mass {mass}, unit {unit:e}");
+        }
+    }
+}

@@ -225,6 +225,17 @@ fn what_limits_accuracy_is_named() {
         }
         other => panic!("{other:?}"),
     }
+    let surface = Counted::new(Several { sphere: 1.0, ..NONE });
+    let counts = surface.counts();
+    let clock = Clock::of(move || 1e-6 * counts.all() as f64);
+    let slow = Scene::on(surface).with(LinearDrag::new(1.0));
+    let start = State::at([2.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
+    match slow.within(1e-12).budget(0.5).clock(clock).simulate(&start, 5.0) {
+        Err(Error::Price(PriceMistake::Unreachable { limit: Limit::Flows { seconds }, best, .. })) => {
+            assert!(seconds == 0.5 && best > 1e-12, "{best:e}");
+        }
+        other => panic!("{other:?}"),
+    }
 }
 
 /// Steps with a tolerance are made shorter where whole ones lead too far.

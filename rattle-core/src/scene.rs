@@ -311,6 +311,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         if state.len() != self.count.number() {
             return Err(Error::BodyCount { scene: self.count.number(), state: state.len() });
         }
+        self.constraint.check()?;
         self.effects.check(state.len())
     }
 

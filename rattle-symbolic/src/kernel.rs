@@ -9,6 +9,7 @@ use crate::routine::{LARGE, Routines};
 use crate::syntax::Item;
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
+use syn::ext::IdentExt;
 
 /// The implementation of the kernel's trait.
 pub(crate) struct Kernel<'a> {
@@ -32,7 +33,7 @@ impl Kernel<'_> {
         let (acts_along, kinks) = (self.acts_along(which), self.kinks(which));
         let depends_on = self.depends_on(which);
         let series = self.series(which);
-        let map = self.map(which);
+        let (map, nan) = (self.map(which), self.nan_parameter());
         let declarations = self.emitter.declarations();
         let parameters = self.parameters();
         let construction = self.emitter.construction(&kernel, &|input| match input {
@@ -65,6 +66,8 @@ impl Kernel<'_> {
                     }
 
                     #map
+
+                    #nan
                 }
 
                 #[automatically_derived]
@@ -93,6 +96,26 @@ impl Kernel<'_> {
                 __number: impl ::core::ops::Fn(&T) -> U,
             ) -> #kernel<U> {
                 #kernel { #fields }
+            }
+        }
+    }
+
+    /// Which parameter is NaN.
+    fn nan_parameter(&self) -> TokenStream {
+        let looks = self.item.parameters.iter().map(|parameter| {
+            let (name, text) = (&parameter.name, parameter.name.unraw().to_string());
+            let mut list = Vec::new();
+            components(quote!(self.#name), &parameter.shape, &mut list);
+            quote! {
+                if #(::core::primitive::f64::is_nan(#list))||* {
+                    return ::core::option::Option::Some(#text);
+                }
+            }
+        });
+        quote! {
+            fn nan_parameter(&self) -> ::core::option::Option<&'static ::core::primitive::str> {
+                #(#looks)*
+                ::core::option::Option::None
             }
         }
     }

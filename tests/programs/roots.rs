@@ -26,6 +26,8 @@ mod kinks_projected;
 mod kinks_starts;
 #[path = "../laws.rs"]
 mod laws;
+#[path = "../near_the_origin.rs"]
+mod near_the_origin;
 #[path = "../phase_starts.rs"]
 mod phase_starts;
 #[path = "../phase_units.rs"]

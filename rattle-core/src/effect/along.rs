@@ -17,7 +17,7 @@ use crate::effect::between_near::check_within;
 use crate::effect::moment::Moment;
 use crate::effect::neighbours::Neighbours;
 use crate::effect::one::{Acting, Effect};
-use crate::error::Error;
+use crate::error::{Error, refuse_nan};
 use crate::kernel::cut_off::CutOff;
 use crate::kernel::functions::{Constraint, ConstraintKernel, PairKernel, PairPotential};
 use crate::kernel::space::Space;
@@ -62,7 +62,8 @@ impl<P: PairPotential, C: Constraint<D, 1>, B: Space<D>, const D: usize> Effect<
     }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
-        check_within(&self.within, FARTHER, what, bodies).map_err(Error::Pairs)
+        refuse_nan(what, self.surface.nan_parameter())?;
+        check_within(&self.within, FARTHER, what, bodies)
     }
 }
 

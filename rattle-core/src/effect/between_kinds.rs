@@ -4,7 +4,7 @@ use crate::effect::laws::ByKind;
 use crate::effect::moment::Moment;
 use crate::effect::near;
 use crate::effect::one::{Acting, Effect};
-use crate::error::{Error, PairMistake};
+use crate::error::{Error, PairMistake, refuse_nan};
 use crate::kernel::functions::{PairKernel, PairPotential};
 use crate::kernel::kinds::Kinds;
 use crate::kernel::space::Open;
@@ -35,7 +35,8 @@ impl<P: PairPotential, const D: usize> Effect<D, BetweenKinds> for Kinds<P> {
     }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
-        self.check_kinds(what, bodies)
+        self.check_kinds(what, bodies)?;
+        refuse_nan(what, self.table.iter().find_map(P::nan_parameter))
     }
 }
 

@@ -5,7 +5,7 @@ use crate::effect::moment::Moment;
 use crate::effect::near;
 use crate::effect::neighbours::Neighbours;
 use crate::effect::one::{Acting, Effect};
-use crate::error::{Error, PairMistake};
+use crate::error::{Error, PairMistake, refuse_nan};
 use crate::kernel::cut_off::CutOff;
 use crate::kernel::functions::{PairKernel, PairPotential};
 use crate::kernel::kinds::Kinds;
@@ -57,7 +57,7 @@ impl<P: PairPotential, B: Space<D>, const D: usize> Effect<D, BetweenNear> for W
     }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
-        check_within(self, 1.0, what, bodies).map_err(Error::Pairs)
+        check_within(self, 1.0, what, bodies)
     }
 }
 
@@ -89,7 +89,7 @@ impl<P: PairPotential, B: Space<D>, const D: usize> Effect<D, BetweenNearKinds> 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
         self.check_kinds(what, bodies)?;
         for within in &self.table {
-            check_within(within, 1.0, what, bodies).map_err(Error::Pairs)?;
+            check_within(within, 1.0, what, bodies)?;
             if within.space != self.table[0].space {
                 return Err(Error::Pairs(PairMistake::Boxes { what }));
             }
@@ -104,31 +104,37 @@ pub(super) fn check_within<P: PairPotential, B: Space<D>, const D: usize>(
     farther: f64,
     what: &'static str,
     bodies: usize,
-) -> Result<(), PairMistake> {
+) -> Result<(), Error> {
+    refuse_nan(what, within.potential.nan_parameter())?;
     let Within { ref potential, reach, ending, skin, ref space } = *within;
     if !(reach > 0.0 && (reach * reach).is_normal()) {
-        return Err(PairMistake::Reach { what, reach });
+        return Err(Error::Pairs(PairMistake::Reach { what, reach }));
     }
     let (kernel, square) = (potential.kernel::<f64>(), reach * reach);
     let last = match ending {
         Ending::Shifted => vec![kernel.value(square)],
         Ending::ForceShifted => vec![kernel.value(square), kernel.slope(square)],
         Ending::Switched { from } if (0.0..reach).contains(&from) => Vec::new(),
-        Ending::Switched { from } => return Err(PairMistake::Switch { what, from, reach }),
+        Ending::Switched { from } => return Err(Error::Pairs(PairMistake::Switch { what, from, reach })),
     };
     if let Some(&value) = last.iter().find(|value| !value.is_finite()) {
-        return Err(PairMistake::Value { what, reach, value });
+        return Err(Error::Pairs(PairMistake::Value { what, reach, value }));
     }
     if !(skin >= 0.0 && ((reach + skin) * (reach + skin)).is_finite()) {
-        return Err(PairMistake::Skin { what, skin });
+        return Err(Error::Pairs(PairMistake::Skin { what, skin }));
     }
     let (periods, reach) = (space.periods(), farther * reach);
     let serves = |period: &f64| *period >= 2.0 * reach; // not so for NaN
     if let Some(coordinate) = periods.iter().position(|period| !serves(period)) {
-        return Err(PairMistake::Period { what, coordinate, period: periods[coordinate], reach });
+        return Err(Error::Pairs(PairMistake::Period {
+            what,
+            coordinate,
+            period: periods[coordinate],
+            reach,
+        }));
     }
     let most = u32::MAX as usize;
-    if bodies > most { Err(PairMistake::TooMany { what, bodies, most }) } else { Ok(()) }
+    if bodies > most { Err(Error::Pairs(PairMistake::TooMany { what, bodies, most })) } else { Ok(()) }
 }
 
 impl<T: Real, L: Laws<T>, F: Laws<Fused<f64>>, B: Space<D>, const D: usize> Acting<T, D>

@@ -3,6 +3,7 @@
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::effect::tiles;
+use crate::error::{Error, refuse_nan};
 use crate::kernel::functions::{PairKernel, PairPotential};
 use crate::kernel::series::Order;
 use crate::kernel::series::blocks;
@@ -41,6 +42,10 @@ impl<P: PairPotential, const D: usize> Effect<D, BetweenPairs> for P {
         Self: 'a,
     {
         from_fn(|i| Effect::<D, BetweenPairs>::acting(lane(i)))
+    }
+
+    fn check(&self, what: &'static str, _: usize) -> Result<(), Error> {
+        refuse_nan(what, self.nan_parameter())
     }
 }
 

@@ -16,7 +16,7 @@
 use crate::effect::interval::Interval;
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
-use crate::error::{Error, expect_variables};
+use crate::error::{Error, expect_variables, refuse_nan};
 use crate::kernel::force_law::{ForceLaw, ForceLawKernel};
 use crate::kernel::over::Over;
 use crate::number::lanes::Lane;
@@ -60,6 +60,10 @@ impl<F: ForceLaw<D>, const D: usize> Effect<D, ByForce> for F {
     {
         from_fn(|i| Effect::<D, ByForce>::acting::<S>(lane(i)))
     }
+
+    fn check(&self, what: &'static str, _: usize) -> Result<(), Error> {
+        refuse_nan(what, self.nan_parameter())
+    }
 }
 
 impl<F: ForceLaw<K>, const D: usize, const K: usize, const A: usize> Effect<D, ByForceAmong<K, A>>
@@ -84,7 +88,8 @@ impl<F: ForceLaw<K>, const D: usize, const K: usize, const A: usize> Effect<D, B
     }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
-        self.check_members(what, bodies)
+        self.check_members(what, bodies)?;
+        refuse_nan(what, self.potentials.iter().find_map(F::nan_parameter))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Drag in proportion to the velocity, or to its square.
 
 use crate::effect::flow::Flow;
-use crate::effect::interval::{Inertia, Interval, inverse_mass};
+use crate::effect::interval::{Inertia, Interval, diagonal, inverse_mass};
 use crate::error::EffectMistake;
 use crate::number::linear::solve_positive;
 use crate::number::real::{Real, each_lane};
@@ -125,13 +125,6 @@ impl<const D: usize> Flow<D> for QuadraticDrag {
     fn check(&self, _: usize) -> Result<(), EffectMistake> {
         EffectMistake::unless_positive_or_zero("coefficient", self.coefficient)
     }
-}
-
-/// The diagonal of M⁻¹ of a body, if M⁻¹ is diagonal.
-fn diagonal<T: Real, const D: usize>(inertia: &dyn Inertia<T, D>, body: usize) -> Option<[T; D]> {
-    let columns = inverse_mass(inertia, body);
-    let zero = |i: usize, k: usize| i == k || columns[i][k].lanes().all(|x| x == 0.0);
-    (0..D).all(|i| (0..D).all(|k| zero(i, k))).then(|| from_fn(|i| columns[i][i]))
 }
 
 /// What a momentum changes by in a time h under ṗ = −C(v) v, C diagonal: the implicit step p′ = p − h C(v) M⁻¹p′, whose

@@ -2,7 +2,7 @@
 
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
-use crate::error::{Error, expect_variables};
+use crate::error::{Error, expect_variables, refuse_nan};
 use crate::kernel::driven::{DrivenPotential, DrivenPotentialKernel};
 use crate::kernel::over::Over;
 use crate::number::lanes::Lane;
@@ -38,6 +38,10 @@ impl<P: DrivenPotential<D>, const D: usize> Effect<D, Driven> for P {
     {
         from_fn(|i| Effect::<D, Driven>::acting(lane(i)))
     }
+
+    fn check(&self, what: &'static str, _: usize) -> Result<(), Error> {
+        refuse_nan(what, self.nan_parameter())
+    }
 }
 
 impl<P: DrivenPotential<K>, const D: usize, const K: usize, const A: usize> Effect<D, DrivenAmong<K, A>>
@@ -59,7 +63,8 @@ impl<P: DrivenPotential<K>, const D: usize, const K: usize, const A: usize> Effe
     }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
-        self.check_members(what, bodies)
+        self.check_members(what, bodies)?;
+        refuse_nan(what, self.potentials.iter().find_map(P::nan_parameter))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Dry friction, with sticking.
 
 use crate::effect::flow::Flow;
-use crate::effect::interval::Interval;
+use crate::effect::interval::{Interval, has_scalar_mass};
 use crate::error::EffectMistake;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, scaled, sum};
@@ -18,10 +18,12 @@ use crate::number::vector::{add_scaled, dot, scaled, sum};
 /// flows, which shake a body loose.
 ///
 /// A body that comes to rest stays at its place, to the last bit: friction then cancels exactly the forces of the next
-/// step. Of second order while a body slides. The surface holds a body from both sides, so N has no sign: N = |f·n +
-/// κv²|, with the force f and the curvature κ of the path. For linked bodies N is the size of the force of all links on
-/// the body. Where links move, v is what is left without the motion that they impose: what a lift carries up does not
-/// slide; where they are curved too, friction is of first order. The mass of each body must be a number. Where time
+/// step. (Where bodies are linked and not all of them rest, that takes a method that begins with a kick, as
+/// [`Rattle`](crate::methods::rattle::Rattle) and [`Geodesic`](crate::methods::geodesic::Geodesic) do; by others a body
+/// at rest creeps by some h³ in a unit of time.) Of second order while a body slides. The surface holds a body from
+/// both sides, so N has no sign: N = |f·n + κv²|, with the force f and the curvature κ of the path. For linked bodies N
+/// is the size of the force of all links on the body. Where links move, v is what is left without the motion that they
+/// impose: what a lift carries up does not slide; where they are curved too, friction is of first order. Where time
 /// runs back a body at rest is an error, `FlowNotFound`: what it did before is not known.
 ///
 /// ```
@@ -48,6 +50,10 @@ pub struct DryFriction {
     pub coefficient: f64,
 }
 
+/// How often the direction of v in the middle is found anew, where the mass is a matrix: each time half as far off or
+/// better.
+const ROUNDS: usize = 24;
+
 impl<const D: usize> Flow<D> for DryFriction {
     const FEELS_FORCES: bool = true;
 
@@ -55,10 +61,20 @@ impl<const D: usize> Flow<D> for DryFriction {
         let (zero, one) = (T::from_f64(0.0), T::from_f64(1.0));
         let (h, mu) = (T::from_f64(during.h), T::from_f64(self.coefficient));
         let length = |a: &[T; D]| dot(a, a).sqrt();
-        // What is left of p after an impulse against it.
-        let slowed = |p: &[T; D], impulse: T| {
-            let size = length(p);
-            scaled(T::select(impulse.lt(size), one - impulse / size, zero), p)
+        // What is left of p after an impulse against v, which is along p where the mass is a number.
+        let slowed = |body: usize, p: &[T; D], impulse: T| {
+            if has_scalar_mass(during.inertia, body) {
+                let size = length(p);
+                return scaled(T::select(impulse.lt(size), one - impulse / size, zero), p);
+            }
+            let v = during.inertia.velocity(body, p);
+            let slides = impulse.lt(dot(p, &v) / length(&v)); // not so for NaN
+            let mut next = *p;
+            for _ in 0..ROUNDS {
+                let v = during.inertia.velocity(body, &sum(p, &next));
+                next = add_scaled(p, -(impulse / length(&v)), &v);
+            }
+            next.map(|p| T::select(slides, p, zero))
         };
         let forces = during.rates.iter().zip(during.holding).zip(during.coming);
         for (body, ((change, p), ((rate, holding), coming))) in
@@ -71,7 +87,7 @@ impl<const D: usize> Flow<D> for DryFriction {
             let square = dot(holding, holding);
             let share = T::select(zero.lt(square), -dot(&force, holding) / square, zero);
             let at_rest = scaled(share, holding);
-            let half = slowed(p, T::from_f64(0.5) * mu * length(holding) * h);
+            let half = slowed(body, p, T::from_f64(0.5) * mu * length(holding) * h);
             let left = T::select(zero.lt(size), dot(&half, &half) / dot(p, p), zero);
             // Where links move, the rest of N may be their acceleration.
             let left = if during.led.is_empty() { left } else { one };
@@ -80,9 +96,9 @@ impl<const D: usize> Flow<D> for DryFriction {
 
             let near_rest = size.le(impulse + length(coming)).all();
             let next = if near_rest {
-                add_scaled(&slowed(&sum(p, coming), impulse), -one, coming)
+                add_scaled(&slowed(body, &sum(p, coming), impulse), -one, coming)
             } else {
-                slowed(p, impulse)
+                slowed(body, p, impulse)
             };
             *change = add_scaled(&next, -one, p);
         }

@@ -90,6 +90,19 @@ pub(crate) fn inverse_mass<T: Real, const D: usize>(inertia: &dyn Inertia<T, D>,
     from_fn(|i| inertia.velocity(body, &from_fn(|k| T::from_f64(f64::from(u8::from(i == k))))))
 }
 
+/// The diagonal of M⁻¹ of a body, if M⁻¹ is diagonal.
+pub(crate) fn diagonal<T: Real, const D: usize>(inertia: &dyn Inertia<T, D>, body: usize) -> Option<[T; D]> {
+    let columns = inverse_mass(inertia, body);
+    let zero = |i: usize, k: usize| i == k || columns[i][k].lanes().all(|x| x == 0.0);
+    (0..D).all(|i| (0..D).all(|k| zero(i, k))).then(|| from_fn(|i| columns[i][i]))
+}
+
+/// Whether the mass of a body is a number, in all lanes.
+pub(crate) fn has_scalar_mass<T: Real, const D: usize>(inertia: &dyn Inertia<T, D>, body: usize) -> bool {
+    let same = |a: T, b: T| a.lanes().zip(b.lanes()).all(|(a, b)| a == b);
+    diagonal(inertia, body).is_some_and(|inverse| inverse.iter().all(|&over| same(over, inverse[0])))
+}
+
 /// Bodies of unit mass.
 #[derive(Debug, Clone, Copy)]
 pub struct UnitMasses;

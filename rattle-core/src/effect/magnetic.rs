@@ -1,11 +1,11 @@
 //! A magnetic field, which turns momenta and does no work.
 
 use crate::effect::flow::Flow;
-use crate::effect::interval::{Inertia, Interval, inverse_mass};
+use crate::effect::interval::{Inertia, Interval, diagonal, inverse_mass};
 use crate::error::EffectMistake;
 use crate::number::linear::solve_positive;
 use crate::number::real::Real;
-use crate::number::vector::scaled;
+use crate::number::vector::{dot, scaled};
 use std::array::from_fn;
 
 /// A uniform magnetic field, for charges in space or in a plane (H. Lorentz 1895).
@@ -120,19 +120,33 @@ impl Flow<2> for MagneticField {
 
 /// The matrix of a linear map, row by row.
 fn matrix<const D: usize>(map: impl Fn(&[f64; D]) -> [f64; D]) -> [[f64; D]; D] {
-    let columns: [[f64; D]; D] = from_fn(|k| map(&from_fn(|i| f64::from(u8::from(i == k)))));
+    let columns: [[f64; D]; D] = unit_vectors().map(|e| map(&e));
     from_fn(|i| from_fn(|k| columns[k][i]))
 }
 
 /// What a momentum changes by under ṗ = 2 A M⁻¹p in the unit of time, A antisymmetric, by the implicit rule of the
-/// midpoint: (1 − A M⁻¹) (p′ − p) = 2 A M⁻¹p.
+/// midpoint: (1 − A M⁻¹) (p′ − p) = 2 A M⁻¹p. Where M is not diagonal a pivot of that matrix may vanish, and none of M
+/// − A: (M − A) M⁻¹(p′ − p) = 2 A M⁻¹p.
 fn turned<T: Real, const D: usize>(
     inertia: &dyn Inertia<T, D>,
     body: usize,
     p: &[T; D],
     a: impl Fn([T; D]) -> [T; D],
 ) -> [T; D] {
-    let columns = inverse_mass(inertia, body).map(&a);
-    let rows = from_fn(|i| from_fn(|k| T::from_f64(f64::from(u8::from(i == k))) - columns[k][i]));
-    solve_positive(rows, scaled(T::from_f64(2.0), &a(inertia.velocity(body, p))))
+    let (one, twice) = (unit_vectors(), scaled(T::from_f64(2.0), &a(inertia.velocity(body, p))));
+    if diagonal(inertia, body).is_some() {
+        let columns = inverse_mass(inertia, body).map(&a);
+        return solve_positive(from_fn(|i| from_fn(|k| one[i][k] - columns[k][i])), twice);
+    }
+    let columns = one.map(|e| inertia.root(body, &e)); // of L, with M = L Lᵀ
+    let root: [[T; D]; D] = from_fn(|i| from_fn(|k| columns[k][i]));
+    let mass: [[T; D]; D] = from_fn(|i| from_fn(|k| dot(&root[i], &root[k])));
+    let columns = one.map(&a);
+    let change = solve_positive(from_fn(|i| from_fn(|k| mass[i][k] - columns[k][i])), twice);
+    mass.map(|row| dot(&row, &change))
+}
+
+/// Vectors of length 1 along the axes.
+fn unit_vectors<T: Real, const D: usize>() -> [[T; D]; D] {
+    from_fn(|i| from_fn(|k| T::from_f64(f64::from(u8::from(i == k)))))
 }

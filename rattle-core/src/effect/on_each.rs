@@ -3,6 +3,7 @@
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::effect::swept::Swept;
+use crate::error::{Error, refuse_nan};
 use crate::kernel::functions::{Potential, PotentialKernel};
 use crate::kernel::series::Order;
 use crate::number::lanes::{Lane, Lanes, side_by_side};
@@ -29,6 +30,10 @@ impl<P: Potential<D>, const D: usize> Effect<D, OnEach> for P {
         Self: 'a,
     {
         SweptOnEach::new(lane)
+    }
+
+    fn check(&self, what: &'static str, _: usize) -> Result<(), Error> {
+        refuse_nan(what, self.nan_parameter())
     }
 }
 

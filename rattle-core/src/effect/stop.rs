@@ -1,7 +1,7 @@
 //! Walls, strings and joint limits: an inequality instead of an equation, with any function made by `constraint!`.
 
 use crate::effect::contact::{Contacts, Gradient, check_members, check_restitution};
-use crate::error::{Error, expect_variables};
+use crate::error::{Error, expect_variables, refuse_nan};
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::kernel::over::short_name;
 use std::array::from_fn;
@@ -42,6 +42,7 @@ use std::fmt;
 #[derive(Clone)]
 pub struct Stop<X, const K: usize, const A: usize> {
     name: &'static str,
+    nan_parameter: Option<&'static str>,
     kernel: X,
     /// 1 where g stays above zero, −1 where below.
     side: f64,
@@ -63,14 +64,16 @@ impl Stop<(), 0, 0> {
 }
 
 fn of<C: Constraint<K, 1>, const K: usize>(constraint: &C, side: f64) -> Stop<C::Kernel<f64>, K, 1> {
-    Stop { name: short_name::<C>(), kernel: constraint.kernel(), side, members: None, restitution: 1.0 }
+    let (name, nan_parameter) = (short_name::<C>(), constraint.nan_parameter());
+    Stop { name, nan_parameter, kernel: constraint.kernel(), side, members: None, restitution: 1.0 }
 }
 
 impl<X, const K: usize, const A: usize> Stop<X, K, A> {
     /// The same for these members: g is a function of the coordinates of a member's bodies, one after the other.
     pub fn over<const B: usize>(self, members: impl IntoIterator<Item = [usize; B]>) -> Stop<X, K, B> {
-        let Self { name, kernel, side, restitution, .. } = self;
-        Stop { name, kernel, side, members: Some(members.into_iter().collect()), restitution }
+        let Self { name, nan_parameter, kernel, side, restitution, .. } = self;
+        let members = Some(members.into_iter().collect());
+        Stop { name, nan_parameter, kernel, side, members, restitution }
     }
 
     /// The same with this coefficient of restitution, 0 to 1.
@@ -111,6 +114,7 @@ impl<X: ConstraintKernel<f64, K, 1>, const D: usize, const K: usize, const A: us
     }
     fn check(&self, bodies: usize) -> Result<(), Error> {
         const { expect_variables(K, A, D, false) };
+        refuse_nan(self.name, self.nan_parameter)?;
         check_members(self.name, self.members.as_deref().unwrap_or_default(), bodies)?;
         check_restitution(self.restitution)
     }

@@ -194,6 +194,14 @@ pub enum Error {
     #[error(transparent)]
     Network(NetworkMistake),
 
+    /// A parameter of a formula that is no number.
+    #[error("`{formula}`: its parameter {parameter} is NaN")]
+    NanParameter {
+        /// The type that the macro wrote.
+        formula: &'static str,
+        /// The name of the parameter.
+        parameter: &'static str,
+    },
     /// An effect whose parameters make no sense.
     #[error("effect `{effect}`: {mistake}")]
     Effect {
@@ -316,6 +324,11 @@ impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
     }
+}
+
+/// Refuses a formula one of whose parameters is NaN: that one.
+pub(crate) fn refuse_nan(formula: &'static str, parameter: Option<&'static str>) -> Result<(), Error> {
+    parameter.map_or(Ok(()), |parameter| Err(Error::NanParameter { formula, parameter }))
 }
 
 /// How a step that was taken back went wrong; by NaN if it could not be.

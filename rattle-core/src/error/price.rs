@@ -111,6 +111,11 @@ pub enum Limit {
         /// The observed order of methods of order 8 and more.
         order: f64,
     },
+    /// [Flows](crate::effect::Flow) of momenta, which act around a step: no method is of more than second order.
+    Flows {
+        /// The budget in seconds, in which no step short enough was measured.
+        seconds: f64,
+    },
     /// The budget: shorter steps would be more exact, but there was no time to measure them.
     Budget {
         /// The budget in seconds.
@@ -136,6 +141,11 @@ impl fmt::Display for Limit {
             Self::Kink { order } => write!(
                 f,
                 "something is not smooth (methods of order 8 and more are of order {order:.1}): take a kink out, or try `over_kinks`"
+            ),
+            Self::Flows { seconds } => write!(
+                f,
+                "flows of momenta (drag, fields, `force!`) are of second order, whatever the method: take shorter steps of RATTLE, or more \
+                 than the budget of {seconds:.1e} s to measure them, by `.budget(seconds)`"
             ),
             Self::Budget { seconds } => {
                 write!(

@@ -27,7 +27,8 @@ pub struct Geodesic<const D: usize> {
 /// It is found by [shooting](crate::kernel::geodesic) from the chord: some hundred evaluations of ∇g and ∇²g. Where
 /// that fails, leads farther than 1.02 chords, or past a point conjugate to a, ways through a graph of some hundred
 /// points of the surface are drawn tight, and shot along too: some hundred thousand evaluations, or 10 to 50 ms.
-/// Nothing proves that there is no shorter one; where two ways are nearly as long, the other one may be found. Near a
+/// Nothing proves that there is no shorter one: of 552 pairs of random points on a surface of genus two, six were
+/// nearer by way of a third point, by up to 8 %; of 276 on a torus, none. Near a
 /// point conjugate to a, where many geodesics meet, as in the antipode of a sphere, the distance is as exact as
 /// elsewhere; a rounding of b turns the direction by more, the nearer it is. What is narrower than the points of the
 /// graph, such as the rim of a plate, can be missed: an error then. The distance from b to a is the same number.
@@ -57,9 +58,10 @@ pub fn geodesic_distance<C: Constraint<D, 1>, const D: usize>(
 ) -> Result<Geodesic<D>, GeodesicError> {
     let kernel = surface.kernel::<f64>();
     let (a, b): ([f64; D], [f64; D]) = ((*a).into(), (*b).into());
+    let size = largest(&a).max(largest(&b)).max(f64::MIN_POSITIVE); // one of them may be the origin
     for (place, q) in [("a", &a), ("b", &b)] {
         let off = off(&kernel, q);
-        if off > NEAR * largest(q).max(f64::MIN_POSITIVE) || off.is_nan() {
+        if off > NEAR * size || off.is_nan() {
             return Err(GeodesicError::NotOnSurface { place, position: q.to_vec(), off });
         }
     }

@@ -3,7 +3,8 @@
 //! A random line, uniform in direction and position, meets a piece of surface with a probability proportional to its
 //! area, whatever its orientation (M. Crofton 1868). So of the k points in which a random line meets the surface one is
 //! taken, with the probability k/K, K being an upper bound of k: this point is uniform in area, exactly, in any
-//! dimension. No mesh and no parametrisation is needed.
+//! dimension. No mesh and no parametrisation is needed. K is 4, or where one of 1000 other lines meets more points,
+//! twice as many as any of these; a line that meets more than K is so rare that it may be passed over.
 //!
 //! The longest line is divided into `CELLS` cells; the points are found where g or its slope along the line changes
 //! sign in a cell. Two sheets nearer to each other than a cell can be missed.
@@ -18,8 +19,11 @@ use std::array::from_fn;
 const CELLS: usize = 256;
 /// Bisection of a cell to the last bit takes 45 steps, of a number near 0 more.
 const HALVINGS: usize = 80;
-/// A line is thought to meet the surface in no more points, until one meets it in more.
+/// A line is thought to meet the surface in no more points, unless one of so many lines does.
 const MEETINGS: usize = 4;
+const PILOTS: u64 = 1000;
+/// Where those begin: none of them is a line that points are taken from.
+const FIRST_PILOT: u64 = 1 << 63;
 /// So many lines without a further point, and the search is given up.
 const LINES: usize = 10_000;
 /// What |g| may be at a zero, as part of what it is at the ends of its cell.
@@ -63,8 +67,11 @@ pub fn uniform<C: Constraint<D, 1>, const D: usize>(
 }
 
 /// As [`uniform`], but spread more evenly than independent points: each point is, of ten random ones, the farthest from
-/// all before (best candidates, D. Mitchell 1991). For averages over starts, whose errors are then several times
-/// smaller. The time is proportional to `number` squared: a second for 10 000.
+/// all before (best candidates, D. Mitchell 1991). The time is proportional to `number` squared: a second for 10 000.
+///
+/// Averages over a hundred such points and more on a closed surface have errors that are two to four times smaller. At
+/// edges where the box cuts a surface such points are denser: averages over 100 points on a square are off by some 5 %,
+/// and nothing is gained there. Ten points lie farther out than the surface does.
 ///
 /// # Errors
 /// As [`uniform`].
@@ -201,9 +208,16 @@ impl<K: ConstraintKernel<f64, D, 1>, const D: usize> Lines<K, D> {
         source: impl Fn(u64, u64) -> [u64; 4],
         fits: impl Fn(&SVector<f64, D>, &[SVector<f64, D>]) -> bool,
     ) -> Result<Vec<SVector<f64, D>>, PointsError> {
+        let mut meetings = Vec::new();
         let mut most = MEETINGS;
+        for pilot in FIRST_PILOT..FIRST_PILOT + PILOTS {
+            self.meet(|four| source(pilot, four), &mut meetings);
+            if meetings.len() > MEETINGS {
+                most = most.max(2 * meetings.len());
+            }
+        }
         'anew: loop {
-            let (mut points, mut meetings, mut since) = (Vec::new(), Vec::new(), 0);
+            let (mut points, mut since) = (Vec::new(), 0);
             let mut line = 0;
             while points.len() < number {
                 if since >= LINES {

@@ -101,6 +101,9 @@ impl<C: Constraint<D, M>, const D: usize, const M: usize> Constraint<D, M> for C
     fn map_kernel<T: Real, U: Real>(kernel: &Self::Kernel<T>, number: impl Fn(&T) -> U) -> Self::Kernel<U> {
         Counted { inner: C::map_kernel(&kernel.inner, number), counts: kernel.counts.clone() }
     }
+    fn nan_parameter(&self) -> Option<&'static str> {
+        self.inner.nan_parameter()
+    }
 }
 
 impl<T: Real, K: ConstraintKernel<T, D, M>, const D: usize, const M: usize> ConstraintKernel<T, D, M>
@@ -151,6 +154,9 @@ impl<P: Potential<D>, const D: usize> Potential<D> for Counted<P> {
     }
     fn map_kernel<T: Real, U: Real>(kernel: &Self::Kernel<T>, number: impl Fn(&T) -> U) -> Self::Kernel<U> {
         Counted { inner: P::map_kernel(&kernel.inner, number), counts: kernel.counts.clone() }
+    }
+    fn nan_parameter(&self) -> Option<&'static str> {
+        self.inner.nan_parameter()
     }
 }
 

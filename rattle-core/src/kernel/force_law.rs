@@ -40,6 +40,12 @@ pub trait ForceLaw<const K: usize>: Sized {
     where
         Self: 'a;
 
+    /// The name of a parameter that is NaN, if one is. Scenes refuse that: comparisons with NaN, in `if` and `max`, are
+    /// false, so that a function may have values all the same.
+    fn nan_parameter(&self) -> Option<&'static str> {
+        None
+    }
+
     /// The kernel with this value's parameters, in every lane.
     fn kernel<T: Real>(&self) -> Self::Kernel<T> {
         Self::kernel_of_lanes(|_| self)

@@ -38,6 +38,12 @@ pub trait Constraint<const D: usize, const M: usize>: Sized + 'static {
     /// ```
     fn map_kernel<T: Real, U: Real>(kernel: &Self::Kernel<T>, number: impl Fn(&T) -> U) -> Self::Kernel<U>;
 
+    /// The name of a parameter that is NaN, if one is. Scenes refuse that: comparisons with NaN, in `if` and `max`, are
+    /// false, so that a function may have values all the same.
+    fn nan_parameter(&self) -> Option<&'static str> {
+        None
+    }
+
     /// The kernel with this value's parameters, in every lane.
     fn kernel<T: Real>(&self) -> Self::Kernel<T> {
         Self::kernel_of_lanes(|_| self)
@@ -181,6 +187,12 @@ pub trait Potential<const D: usize>: Sized {
     /// ```
     fn map_kernel<T: Real, U: Real>(kernel: &Self::Kernel<T>, number: impl Fn(&T) -> U) -> Self::Kernel<U>;
 
+    /// The name of a parameter that is NaN, if one is. Scenes refuse that: comparisons with NaN, in `if` and `max`, are
+    /// false, so that a function may have values all the same.
+    fn nan_parameter(&self) -> Option<&'static str> {
+        None
+    }
+
     /// The kernel with this value's parameters, in every lane.
     fn kernel<T: Real>(&self) -> Self::Kernel<T> {
         Self::kernel_of_lanes(|_| self)
@@ -239,6 +251,12 @@ pub trait PairPotential: Sized {
     fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
     where
         Self: 'a;
+
+    /// The name of a parameter that is NaN, if one is. Scenes refuse that: comparisons with NaN, in `if` and `max`, are
+    /// false, so that a function may have values all the same.
+    fn nan_parameter(&self) -> Option<&'static str> {
+        None
+    }
 
     /// The kernel with this value's parameters, in every lane.
     fn kernel<T: Real>(&self) -> Self::Kernel<T> {
@@ -323,6 +341,12 @@ pub trait Hamiltonian<const D: usize>: Sized {
     /// that of one lane by itself.
     fn map_kernel<T: Real, U: Real>(kernel: &Self::Kernel<T>, number: impl Fn(&T) -> U) -> Self::Kernel<U>;
 
+    /// The name of a parameter that is NaN, if one is. Scenes refuse that: comparisons with NaN, in `if` and `max`, are
+    /// false, so that a function may have values all the same.
+    fn nan_parameter(&self) -> Option<&'static str> {
+        None
+    }
+
     /// The kernel with this value's parameters, in every lane.
     fn kernel<T: Real>(&self) -> Self::Kernel<T> {
         Self::kernel_of_lanes(|_| self)
@@ -362,6 +386,12 @@ pub trait PhaseConstraint<const D: usize, const M: usize>: Sized {
     /// The kernel with `number` of each of its numbers, in the same order each time; of a kernel of lanes, for example,
     /// that of one lane by itself.
     fn map_kernel<T: Real, U: Real>(kernel: &Self::Kernel<T>, number: impl Fn(&T) -> U) -> Self::Kernel<U>;
+
+    /// The name of a parameter that is NaN, if one is. Scenes refuse that: comparisons with NaN, in `if` and `max`, are
+    /// false, so that a function may have values all the same.
+    fn nan_parameter(&self) -> Option<&'static str> {
+        None
+    }
 
     /// The kernel with this value's parameters, in every lane.
     fn kernel<T: Real>(&self) -> Self::Kernel<T> {

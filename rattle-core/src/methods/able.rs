@@ -17,14 +17,15 @@ use crate::methods::taylor::Taylor;
 use crate::methods::variable::Variable;
 use crate::motion::method::{Method, View};
 use crate::motion::need::Need;
-use crate::motion::stir::{FLOW, random};
+use crate::motion::stir::{FEELING_FLOW, FLOW, feels, random};
 use crate::motion::system::System;
 
 /// The system as a step of this method is handed it.
 ///
 /// # Errors
 /// [`Error::CannotMove`] where the system has not what the method needs, or flows of momenta by which its step cannot
-/// be divided; with the methods that can move it.
+/// be divided, or which feel forces and would act in its middle, before the forces that they feel; with the methods
+/// that can move it.
 #[inline(always)]
 pub(crate) fn view<'a, S: Method, Y: System<f64, D>, const D: usize>(
     method: &S,
@@ -33,6 +34,9 @@ pub(crate) fn view<'a, S: Method, Y: System<f64, D>, const D: usize>(
     let divided = method.is_symmetric() && method.momentum_delay() == 0.0;
     if Y::FLOWS > 0 && ((!divided && !S::STIRS) || (S::FORGETS && !Y::PUSHES)) {
         return Err(refused(method.name(), FLOW, system));
+    }
+    if const { S::STIRS && Y::FLOWS > 0 } && feels(system) {
+        return Err(refused(method.name(), FEELING_FLOW, system));
     }
     S::Need::of(system).map_err(|kind| refused(method.name(), kind, system))
 }
@@ -43,9 +47,9 @@ fn refused<Y: System<f64, D>, const D: usize>(method: &'static str, kind: &'stat
     let whole = Y::FLOWS == 0;
     let able = [
         ("Rattle", moves::<Rattle, Y, D>(system)),
-        ("Baoab", moves::<Baoab, Y, D>(system)),
+        ("Baoab", moves::<Baoab, Y, D>(system) && !feels(system)),
         ("NoseHoover", moves::<NoseHoover, Y, D>(system) && whole),
-        ("Brownian", moves::<Brownian, Y, D>(system) && Y::PUSHES),
+        ("Brownian", moves::<Brownian, Y, D>(system) && Y::PUSHES && !feels(system)),
         ("Geodesic", moves::<Geodesic, Y, D>(system)),
         ("PositionVerlet", moves::<PositionVerlet, Y, D>(system)),
         ("Shake", moves::<Shake, Y, D>(system) && whole),

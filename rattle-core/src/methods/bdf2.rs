@@ -204,10 +204,16 @@ impl Bdf2 {
             for body in 0..q.len() {
                 increment[body] = moved(bodies, body, &q[body], &q_low[body]);
             }
+            // Forces that constraints cancel leave the rounding of what they alone would do.
+            let mut pushed = 0.0_f64;
+            for body in 0..q.len() {
+                bodies.p.as_mut()[body] = system.force(bodies, body);
+                pushed = pushed.max(beta * beta * largest(&system.velocity(bodies, body)).to_f64());
+            }
             miss(bodies, increment);
             system.settle(beta, 2.0 * beta, bodies, &mut ())?;
             // Bodies may be linked: one that hardly moves has roundings of the others' ways.
-            let way = increment.iter().map(|way| largest(way).to_f64()).fold(0.0, f64::max);
+            let way = increment.iter().map(|way| largest(way).to_f64()).fold(pushed, f64::max);
             let (mut worst, mut slowest) = (0.0, 0);
             for body in 0..q.len() {
                 let shift = scaled(step, &system.velocity(bodies, body));

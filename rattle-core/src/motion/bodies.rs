@@ -156,6 +156,8 @@ pub(crate) struct Room<N: Count, T: Scalar, const D: usize> {
     saved: Saved<N, T, D>,
     /// Whole sets of one vector per body.
     vectors: Vec<[T; D]>,
+    /// More of them, [lent](Bodies::lend) for a whole step, within which the others are used.
+    lent: Vec<[T; D]>,
     /// In how many inner steps the last step went of a method that divides its steps.
     inner_steps: u32,
 }
@@ -215,14 +217,18 @@ impl<N: Count, T: Scalar, X, const D: usize> Bodies<N, T, X, D> {
     /// Makes room for so many vectors per body, beside what is there.
     pub(crate) fn make_room(&mut self, vectors: usize) {
         let length = vectors * self.q.as_ref().len();
-        let mut room = self
-            .room
-            .take()
-            .unwrap_or_else(|| Box::new(Room { saved: self.saved(), vectors: Vec::new(), inner_steps: 1 }));
-        if room.vectors.len() < length {
-            room.vectors.resize(length, [T::from_f64(0.0); D]);
-        }
-        self.room = Some(room);
+        let room = self.room.take();
+        self.room = Some(self.roomier(room, length));
+    }
+
+    /// That room, or a new one, with so many vectors at least.
+    fn roomier(&self, room: Option<Box<Room<N, T, D>>>, length: usize) -> Box<Room<N, T, D>> {
+        let new =
+            || Box::new(Room { saved: self.saved(), vectors: Vec::new(), lent: Vec::new(), inner_steps: 1 });
+        let mut room = room.unwrap_or_else(new);
+        let length = length.max(room.vectors.len());
+        room.vectors.resize(length, [T::from_f64(0.0); D]);
+        room
     }
 
     /// Does work with room to put the bodies aside and for so many vectors per body; made here where no simulation has
@@ -236,14 +242,25 @@ impl<N: Count, T: Scalar, X, const D: usize> Bodies<N, T, X, D> {
         let length = vectors * self.q.as_ref().len();
         let mut room = match self.room.take() {
             Some(room) if room.vectors.len() >= length => room,
-            _ => {
-                let vectors = vec![[T::from_f64(0.0); D]; length];
-                Box::new(Room { saved: self.saved(), vectors, inner_steps: 1 })
-            }
+            room => self.roomier(room, length),
         };
         let done = work(self, &mut room.saved, &mut room.vectors[..length]);
         self.room = Some(room);
         done
+    }
+
+    /// So many vectors, for a step that has [room](Self::with_room) itself; to be [taken back](Self::take_back).
+    pub(crate) fn lend(&mut self, number: usize) -> Vec<[T; D]> {
+        let mut lent = self.room.as_mut().map_or(Vec::new(), |room| std::mem::take(&mut room.lent));
+        lent.resize(number, [T::from_f64(0.0); D]);
+        lent
+    }
+
+    /// Keeps vectors that were lent, for the next time.
+    pub(crate) fn take_back(&mut self, lent: Vec<[T; D]>) {
+        if let Some(room) = &mut self.room {
+            room.lent = lent;
+        }
     }
 
     /// Notes in how many inner steps a step went.

@@ -32,6 +32,14 @@ pub trait Hold<const D: usize>: Sized {
         tangent: bool,
     ) -> Result<Self::System<E, N>, Error>;
 
+    /// Checks the parameters of the constraints.
+    ///
+    /// # Errors
+    /// [`Error::NanParameter`].
+    fn check(&self) -> Result<(), Error> {
+        Ok(())
+    }
+
     /// Where this body is fixed, if it is.
     fn pin(&self, _body: usize) -> Option<[f64; D]> {
         None

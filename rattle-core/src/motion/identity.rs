@@ -4,7 +4,7 @@ use crate::motion::parts::BodiesOf;
 use crate::motion::system::System;
 use std::any::type_name;
 
-/// Numbers that differ by less than this part of the largest are the same.
+/// Numbers that differ by less than this part of the largest of their kind are the same.
 const SAME: f64 = 1e-8;
 
 /// Type, name, sizes and parameters of a method or system.
@@ -13,13 +13,15 @@ pub struct Identity {
     kind: &'static str,
     name: &'static str,
     sizes: [usize; 2],
-    parameters: Vec<f64>,
+    /// Those of one kind, which have one unit, together.
+    parameters: Vec<Vec<f64>>,
 }
 
 impl Identity {
     /// The identity with type `X`, this name and these parameters.
     #[must_use]
     pub fn of<X>(name: &'static str, parameters: Vec<f64>) -> Self {
+        let parameters = parameters.into_iter().map(|parameter| vec![parameter]).collect();
         Self { kind: type_name::<X>(), name, sizes: [0; 2], parameters }
     }
 
@@ -31,16 +33,23 @@ impl Identity {
         let n = bodies.q.as_ref().len();
         let mut accelerations = vec![[0.0; D]; n];
         let known = system.accelerations(bodies, &mut accelerations).is_ok();
-        let mut parameters = vec![system.kinetic_energy(bodies), system.potential_energy(bodies)];
-        parameters.extend(accelerations.as_flattened().iter().filter(|_| known));
-        Self { sizes: [n, system.equations()], ..Self::of::<Y>(system.kind(), parameters) }
+        let energies = vec![system.kinetic_energy(bodies), system.potential_energy(bodies)];
+        let accelerations = if known { accelerations.as_flattened().to_vec() } else { Vec::new() };
+        Self {
+            kind: type_name::<Y>(),
+            name: system.kind(),
+            sizes: [n, system.equations()],
+            parameters: vec![energies, accelerations],
+        }
     }
 
     /// Whether the other is of the same type, name and parameters, these but for rounding.
     pub(crate) fn is(&self, other: &Self) -> bool {
-        let largest =
-            self.parameters.iter().chain(&other.parameters).fold(0.0_f64, |most, x| most.max(x.abs()));
-        let near = |(a, b): (&f64, &f64)| a == b || (a - b).abs() <= SAME * largest;
+        let near = |(these, those): (&Vec<f64>, &Vec<f64>)| {
+            let largest = these.iter().chain(those).fold(0.0_f64, |most, x| most.max(x.abs()));
+            let near = |(a, b): (&f64, &f64)| a == b || (a - b).abs() <= SAME * largest;
+            these.len() == those.len() && these.iter().zip(those).all(near)
+        };
         (self.kind, self.name, self.sizes) == (other.kind, other.name, other.sizes)
             && self.parameters.len() == other.parameters.len()
             && self.parameters.iter().zip(&other.parameters).all(near)

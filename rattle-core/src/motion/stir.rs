@@ -15,6 +15,7 @@ use crate::motion::failure::{Failure, numbers};
 use crate::motion::method::{Method, View};
 use crate::motion::parts::{BodiesOf, Given};
 use crate::motion::rest::{along, imposed};
+use crate::motion::sticking;
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::real::Scalar;
@@ -22,6 +23,9 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 
 /// A system with flows, as messages name it.
 pub(crate) const FLOW: &str = "bodies under drag or another flow of momenta";
+
+/// The same where flows feel forces.
+pub(crate) const FEELING_FLOW: &str = "bodies under dry friction or another flow that feels forces";
 
 /// Vectors of room for each body: velocities, rates, holding forces, changes, momenta at first with what rounding took,
 /// four others; and what is still to come, velocities and momenta in the middle, what another flow gives and what of it
@@ -47,6 +51,11 @@ pub(crate) fn draws<T: Scalar, Y: System<T, D>, const D: usize>(system: &Y) -> b
     random(system).is_some()
 }
 
+/// Whether a flow feels forces.
+pub(crate) fn feels<T: Scalar, Y: System<T, D>, const D: usize>(system: &Y) -> bool {
+    (0..Y::FLOWS).any(|number| system.effects().manner(number).0.feels)
+}
+
 /// One step of the method; of a system with flows between two halves of them, unless the method has them act itself.
 #[inline(always)]
 pub(crate) fn step<S: Method, T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
@@ -61,9 +70,16 @@ pub(crate) fn step<S: Method, T: Scalar, Y: System<T, D>, W: Witness<T>, const D
         return method.step(seen, bodies, memory, witness);
     }
     let half = 0.5 * method.step_size();
-    stir(Half::Before, half, system, bodies)?;
-    method.step(seen, bodies, memory, witness)?;
-    stir(Half::After, half, system, bodies)
+    let first = |bodies: &mut BodiesOf<Y, T, D>| stir(Half::Before, half, system, bodies);
+    let mut middle = |bodies: &mut BodiesOf<Y, T, D>| method.step(seen, bodies, memory, witness);
+    let last = |bodies: &mut BodiesOf<Y, T, D>| stir(Half::After, half, system, bodies);
+    // Bodies that constraints move are never at rest.
+    if feels(system) && !system.constraints_move() {
+        return sticking::step(system, bodies, first, middle, last);
+    }
+    first(bodies)?;
+    middle(bodies)?;
+    last(bodies)
 }
 
 /// Has all flows act for a time h, symmetrically: for a method that wants them in the middle of its step.

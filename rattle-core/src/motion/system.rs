@@ -137,14 +137,17 @@ pub trait System<T: Scalar, const D: usize>: Affected<T, D> + Guarded<T, D> + Me
         }
     }
 
-    /// Writes ṗ = f + Gᵀλ of each body at the present state, and the constraint force Gᵀλ by itself. Zeros where there
-    /// are no [rates](Self::rates). Neither allocates nor panics.
+    /// Writes ṗ = f + Gᵀλ of each body at the present state, and the constraint force Gᵀλ by itself, which is 0 where
+    /// there are no equations: the momenta of a rigid body turn with it. Zeros where there are no
+    /// [rates](Self::rates). Neither allocates nor panics.
     fn feel(&self, bodies: &mut BodiesOf<Self, T, D>, rates: &mut [[T; D]], holding: &mut [[T; D]]) {
         rates.fill([T::from_f64(0.0); D]);
         if let Ok(capability) = self.rates() {
             capability.evaluate_rates(bodies, rates, &mut ());
         }
-        for (body, (held, rate)) in holding.iter_mut().zip(&*rates).enumerate() {
+        holding.fill([T::from_f64(0.0); D]);
+        let held_bodies = if self.equations() > 0 { holding } else { &mut [] };
+        for (body, (held, rate)) in held_bodies.iter_mut().zip(&*rates).enumerate() {
             *held = add_scaled(rate, T::from_f64(-1.0), &self.force(bodies, body));
         }
     }

@@ -358,7 +358,10 @@ fn numbers<const D: usize>(body: &Body<f64, D>) -> [[f64; D]; 4] {
 /// And back, so many of each trajectory.
 fn bodies<const D: usize>(numbers: &[[f64; D]], number: usize) -> Vec<Vec<Body<f64, D>>> {
     let body = |&[q, q_low, p, p_low]: &[[f64; D]; 4]| Body { q, q_low, p, p_low };
-    numbers.chunks(4 * number).map(|of_each| of_each.as_chunks().0.iter().map(body).collect()).collect()
+    numbers
+        .chunks((4 * number).max(1))
+        .map(|of_each| of_each.as_chunks().0.iter().map(body).collect())
+        .collect()
 }
 
 /// Some steps, with stops where an onlooker wants to see.

@@ -56,16 +56,20 @@ impl<const D: usize> Search<D> {
         }
         let (rates, number) = (&mut self.normals[0], start.q.as_ref().len());
         capability.evaluate_rates(bodies, rates, &mut ());
-        // What all bodies have in common hides nothing, where there are several: not even a wall, which is off it then.
+        // A velocity that several bodies have in common takes them past no gap between them, nor to a wall unnoticed.
         let mut common = [0.0; D];
-        for body in (0..number).filter(|_| number > 1) {
-            common = add_scaled(&common, 1.0 / number as f64, &system.velocity(bodies, body));
+        if number > 1 {
+            for body in 0..number {
+                common = add_scaled(&common, 1.0 / number as f64, &system.velocity(bodies, body));
+            }
         }
+        let way = |to: &[[f64; D]], body: usize| add_scaled(&to[body], -1.0, &start.q.as_ref()[body]);
+        let own = |way: &[f64; D]| add_scaled(way, -time, &common);
         let (mut farthest, mut largest_place) = (0.0_f64, 0.0_f64);
-        for (from, to) in start.q.as_ref().iter().zip(bodies.q.as_ref()) {
-            let way = add_scaled(&add_scaled(to, -1.0, from), -time, &common);
-            farthest = farthest.max(largest(&way));
-            largest_place = largest_place.max(largest(from)).max(largest(to));
+        for body in 0..number {
+            let [from, to] = [start.q.as_ref(), bodies.q.as_ref()];
+            farthest = farthest.max(largest(&own(&way(to, body))));
+            largest_place = largest_place.max(largest(&from[body])).max(largest(&to[body]));
         }
         let least = (ROUNDINGS * f64::EPSILON * largest_place).max(HARDLY * farthest);
         rates.iter().enumerate().all(|(body, rate)| {
@@ -73,12 +77,12 @@ impl<const D: usize> Search<D> {
             let p = std::mem::replace(&mut bodies.p.as_mut()[body], *rate);
             let change = system.velocity(bodies, body).map(|a| time * a);
             bodies.p.as_mut()[body] = p;
-            let way = add_scaled(&bodies.q.as_ref()[body], -1.0, &start.q.as_ref()[body]);
+            let way = way(bodies.q.as_ref(), body);
             let elsewhere = add_scaled(&add_scaled(&way, -time, &after), 0.5 * time, &change);
             let faster = add_scaled(&add_scaled(&after, -1.0, &before), -1.0, &change).map(|v| time * v);
             let [before, after] = [before, after].map(|v| add_scaled(&v, -1.0, &common));
-            let way = add_scaled(&way, -time, &common);
             let squares = [&before, &after, &change].map(|v| time * time * dot(v, v));
+            let way = own(&way);
             let size = squares.into_iter().fold(dot(&way, &way), f64::max).sqrt();
             let mut off = [&elsewhere, &faster].into_iter().zip(ELSEWHERE);
             !off.any(|(off, part)| largest(off) > least.max(part * size)) // NaN is told elsewhere

@@ -21,6 +21,8 @@ pub(super) trait Movable {
     fn names(&self) -> Vec<String>;
     /// Coordinates of a body.
     fn dimension(&self) -> usize;
+    /// Whether flows act on momenta.
+    fn flows(&self) -> bool;
     /// How many trajectories go side by side; 0 where none are priced.
     fn trajectories(&self) -> usize;
 }

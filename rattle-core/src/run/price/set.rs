@@ -1,6 +1,6 @@
 //! A scene with its start, and the simulations that it makes.
 
-use crate::effect::list::Effects;
+use crate::effect::list::{Effects, Forces};
 use crate::error::{Error, PriceMistake};
 use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
@@ -49,6 +49,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Movable for Set<'_, C,
     }
     fn dimension(&self) -> usize {
         D
+    }
+    fn flows(&self) -> bool {
+        E::Forces::<f64>::FLOWS > 0
     }
     fn trajectories(&self) -> usize {
         self.beside.as_ref().map_or(0, |beside| beside.starts.len())

@@ -249,10 +249,11 @@ fn choose(
         }
         other => other,
     })?;
+    let limits = Limits { seconds: allowance.budget, flows: scene.flows() };
     let runner = Runner { scene, clock: &allowance.clock, deadline: begun + allowance.budget };
     let prices = &measured.prices;
     if what == Quantity::Position && lost(prices) || uncertain(prices, what).is_some_and(|by| by > wish) {
-        return Err(unreachable(prices, wish, what, allowance.budget));
+        return Err(unreachable(prices, wish, what, limits));
     }
 
     let mut offers: Vec<(Candidate, Offer)> = Vec::new();
@@ -277,7 +278,7 @@ fn choose(
     }
     tell(1.0);
     let Some((rung, price, error)) = best else {
-        return Err(unreachable(prices, wish, what, allowance.budget));
+        return Err(unreachable(prices, wish, what, limits));
     };
     Ok(Choice { rung, price, error, prices: measured.prices })
 }
@@ -356,7 +357,24 @@ fn uncertain(prices: &Prices, what: Quantity) -> Option<f64> {
     prices.averages.get(number).map(|average| average.uncertainty * (prices.pilot / prices.duration).sqrt())
 }
 
-fn unreachable(prices: &Prices, wish: f64, what: Quantity, budget: f64) -> Error {
+/// What limits accuracy besides what was measured.
+#[derive(Clone, Copy)]
+struct Limits {
+    /// The budget.
+    seconds: f64,
+    /// Whether flows act, which are of second order.
+    flows: bool,
+}
+
+impl Limits {
+    /// That there was no time for shorter steps.
+    fn of_time(self) -> Limit {
+        let Self { seconds, flows } = self;
+        if flows { Limit::Flows { seconds } } else { Limit::Budget { seconds } }
+    }
+}
+
+fn unreachable(prices: &Prices, wish: f64, what: Quantity, limits: Limits) -> Error {
     let rows = prices.rows.iter().filter_map(|row| Some((confirmed(prices, row, what)?, row)));
     let best = rows.min_by(|a, b| a.0.total_cmp(&b.0));
     let (best, row) = best.map_or((f64::NAN, None), |(error, row)| (error, Some(row)));
@@ -368,9 +386,9 @@ fn unreachable(prices: &Prices, wish: f64, what: Quantity, budget: f64) -> Error
         (_, Some(uncertainty)) => Limit::Statistics { uncertainty },
         _ if let Quantity::Average(number) = what => {
             let size = prices.averages.get(number).map_or(0.0, |average| average.mean.abs());
-            if best <= AT_ROUNDING * size { Limit::Rounding } else { Limit::Budget { seconds: budget } }
+            if best <= AT_ROUNDING * size { Limit::Rounding } else { limits.of_time() }
         }
-        _ => limit(prices, row, best),
+        _ => limit(prices, row, best, limits),
     };
     let method = row.map_or_else(|| "no method".into(), |row| row.method.to_string());
     let what = match what {
@@ -378,15 +396,11 @@ fn unreachable(prices: &Prices, wish: f64, what: Quantity, budget: f64) -> Error
         Quantity::Energy => "in energy".into(),
         Quantity::Average(number) => format!("in the average of {}", prices.averages[number].name),
     };
-    Error::Price(PriceMistake::Unreachable { wish, what, best, method, limit: with_budget(limit, budget) })
-}
-
-fn with_budget(limit: Limit, seconds: f64) -> Limit {
-    if let Limit::Budget { .. } = limit { Limit::Budget { seconds } } else { limit }
+    Error::Price(PriceMistake::Unreachable { wish, what, best, method, limit })
 }
 
 /// What limits motion that can be predicted.
-fn limit(prices: &Prices, best: Option<&Price>, error: f64) -> Limit {
+fn limit(prices: &Prices, best: Option<&Price>, error: f64, limits: Limits) -> Limit {
     let known = prices.reference_error.max(prices.rounding);
     let rounding = match prices.lyapunov_time.zip(prices.predictable) {
         Some((lyapunov_time, predictable)) => Limit::Chaos { lyapunov_time, predictable },
@@ -396,10 +410,10 @@ fn limit(prices: &Prices, best: Option<&Price>, error: f64) -> Limit {
         return rounding;
     }
     match order(prices) {
-        Some(order) if order < NOT_SMOOTH => Limit::Kink { order },
+        Some(order) if order < NOT_SMOOTH && !limits.flows => Limit::Kink { order },
         // A reference that is not exact had no time to become so.
         _ if error <= 100.0 * known && known <= prices.rounding.max(EXACT * prices.way) => rounding,
-        _ => Limit::Budget { seconds: 0.0 },
+        _ => limits.of_time(),
     }
 }
 

@@ -238,7 +238,12 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 // Roundings of linked bodies reach each other, those of others do not.
                 for (component, size) in shape.components.iter().zip(&stages.sizes) {
                     let (linked, from) = (&component.rows.bodies, bodies.q.as_ref());
-                    let way = |&body: &usize| largest(&add_scaled(&q[body], -1.0, &from[body]));
+                    // The way with constraints, and what forces alone would add: the sum of both is rounded.
+                    let way = |&body: &usize| {
+                        let force = &stages.force[stage * n + body].components();
+                        let pushed = h * h * largest(&shape.roots[body].velocity(force));
+                        largest(&add_scaled(&q[body], -1.0, &from[body])).max(pushed)
+                    };
                     let size = linked.iter().map(way).fold(*size, f64::max);
                     for &body in linked {
                         worst = if largest(&q[body]) <= size {

@@ -164,7 +164,7 @@ fn set_out<const K: usize>(
             let drift = h.multiply_add(v, h * (over * p_low[k].0[l]));
             let pushed = over * (h * kick * force[k].0[l]);
             (velocity[k].0[l], push[k].0[l], free[k].0[l]) = (v, pushed, drift + pushed);
-            sizes[k].0[l] = q[k].0[l].abs().max(drift.abs());
+            sizes[k].0[l] = q[k].0[l].abs().max(drift.abs()).max(pushed.abs());
             (way, shove) = (way.max(drift.abs()), shove.max(pushed.abs()));
         }
         path.0[l] = way + shove;

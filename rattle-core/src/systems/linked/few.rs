@@ -147,7 +147,7 @@ impl<Fo: Force<f64, D>, const D: usize> Few<'_, '_, Fo, D> {
                 push[b][d] = over[d] * force[d];
             }
             free[b] = sum(&drift, &push[b]);
-            sizes[b] = from_fn(|d| larger(q[b][d].abs(), drift[d].abs()));
+            sizes[b] = from_fn(|d| larger(q[b][d].abs(), larger(drift[d].abs(), push[b][d].abs())));
             path = larger(path, largest(&drift) + largest(&push[b]));
             (dense.places[b], dense.velocities[b]) = (q[b], v);
         }

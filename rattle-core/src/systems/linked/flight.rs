@@ -434,8 +434,8 @@ impl<const D: usize> Flight<'_, D> {
         Landing { converged: reached, ..landing }
     }
 
-    /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go if that is longer. By
-    /// these gradients, or those at the trial.
+    /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go, with constraints or
+    /// without, if that is longer. By these gradients, or those at the trial.
     pub(crate) fn measure_rounding(&self, blocks: Option<&[[f64; D]]>, room: &mut Room<D>) {
         match (&self.rows().line, self.rows().width()) {
             (Some(line), _) => self.measure_line(line, blocks, room),
@@ -447,12 +447,13 @@ impl<const D: usize> Flight<'_, D> {
     /// The same for rows in a line: each body's size is found once.
     fn measure_line(&self, line: &Line, blocks: Option<&[[f64; D]]>, room: &mut Room<D>) {
         let m = self.rows().equations();
-        let Room { blocks: at_trial, trial, drift, lengths, scale, g, .. } = room;
+        let Room { blocks: at_trial, trial, drift, push, lengths, scale, g, .. } = room;
         let pairs = blocks.unwrap_or(at_trial).as_chunks::<2>().0;
         let bodies = line.first..line.first + m + 1;
-        let places = self.q[bodies.clone()].iter().zip(&trial[bodies.clone()]).zip(&drift[bodies]);
-        let mut places = places
-            .map(|((q, trial), drift)| (from_fn::<_, D, _>(|d| larger(q[d].abs(), trial[d].abs())), *drift));
+        let places = self.q[bodies.clone()].iter().zip(&trial[bodies.clone()]);
+        let ways = drift[bodies.clone()].iter().zip(&push[bodies]);
+        let mut places =
+            places.zip(ways).map(|((q, trial), (drift, push))| (largest_of([q, trial, push]), *drift));
         let mut before = places.next().unwrap_or(([0.0; D], [0.0; D]));
         let rows = lengths[..m].iter_mut().zip(scale).zip(pairs).zip(&*g);
         for ((((length, scale), pair), g), after) in rows.zip(places) {
@@ -467,15 +468,14 @@ impl<const D: usize> Flight<'_, D> {
     #[inline(always)]
     fn measure_in<const A: usize>(&self, blocks: Option<&[[f64; D]]>, room: &mut Room<D>) {
         let (rows, m, n) = (self.rows(), self.rows().equations(), self.q.len());
-        let Room { blocks: at_trial, trial, drift, lengths, scale, g, .. } = room;
+        let Room { blocks: at_trial, trial, drift, push, lengths, scale, g, .. } = room;
         let blocks = blocks.unwrap_or(at_trial);
-        let (trial, drift, g) = (&trial[..n], &drift[..n], &g[..m]);
+        let (trial, drift, push, g) = (&trial[..n], &drift[..n], &push[..n], &g[..m]);
         for (row, (length, scale)) in lengths[..m].iter_mut().zip(scale).enumerate() {
             let range = rows.range::<A>(row);
             let touched = blocks[range.clone()].iter().zip(&rows.touched()[range]);
             let terms = Terms::of(touched.map(|(block, &body)| {
-                let (q, trial, drift) = (&self.q[body], &trial[body], &drift[body]);
-                (block, from_fn(|i| larger(q[i].abs(), trial[i].abs())), *drift)
+                (block, largest_of([&self.q[body], &trial[body], &push[body]]), drift[body])
             }));
             *length = terms.length();
             let size = larger(terms.size(*length), g[row].abs());
@@ -577,4 +577,10 @@ impl<const D: usize> Room<D> {
         let worst = self.worst(equations);
         self.g[worst].abs() / self.lengths[worst]
     }
+}
+
+/// The largest of each coordinate.
+#[inline(always)]
+fn largest_of<const D: usize>([a, b, c]: [&[f64; D]; 3]) -> [f64; D] {
+    from_fn(|d| larger(larger(a[d].abs(), b[d].abs()), c[d].abs()))
 }

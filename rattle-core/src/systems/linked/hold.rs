@@ -1,7 +1,7 @@
 //! Networks as the constraints of a scene.
 
 use crate::effect::list::Effects;
-use crate::error::{Error, NetworkMistake};
+use crate::error::{Error, NetworkMistake, refuse_nan};
 use crate::motion::bodies::Count;
 use crate::motion::hold::{Hold, Kind};
 use crate::motion::state::State;
@@ -25,6 +25,10 @@ impl<const D: usize> Hold<D> for Network<D> {
         tangent: bool,
     ) -> Result<Self::System<E, N>, Error> {
         Linked::ready(self, effects.forces(), count, start, h, tangent)
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        self.groups.iter().try_for_each(|group| refuse_nan(group.name(), group.nan_parameter()))
     }
 
     fn pin(&self, body: usize) -> Option<[f64; D]> {

@@ -4,7 +4,7 @@ use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::motion::bodies::{Bodies, Count};
-use crate::number::vector::{dot, sum};
+use crate::number::vector::{dot, larger, sum};
 use crate::solve::aim::{Aim, Pace};
 use crate::solve::crowd::Asked;
 use crate::solve::root::Course;
@@ -187,17 +187,18 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     }
 
     /// The largest residual of a component, just evaluated with its gradients. Sizes are those of the coordinates, or
-    /// of their way in the time h.
+    /// of their way in the time h, also of that which forces alone would add.
     pub(crate) fn furthest(&self, c: usize, h: f64, bodies: &BodiesOf<F, N, D>) -> Furthest {
         let component = &self.shape.components[c];
         let (rows, (_, block)) = (&component.rows, component.first);
         let blocks = &bodies.kept.tied.blocks[block..block + rows.blocks()];
-        let room = &bodies.kept.tied.room;
+        let Tied { room, force, .. } = &bodies.kept.tied;
         let (mut furthest, mut size_of_all) = (Furthest::default(), 0.0_f64);
         for row in 0..rows.equations() {
             let terms = Terms::of(rows.touched_by(row).map(|(block, body)| {
                 let (q, v) = (&bodies.q.as_ref()[body], &room.velocity[body]);
-                (&blocks[block], *q, v.map(|v| h * v))
+                let pushed = self.shape.roots[body].velocity(&force[body].components());
+                (&blocks[block], *q, from_fn(|i| larger((h * v[i]).abs(), (h * h * pushed[i]).abs())))
             }));
             let (g, length) = (room.g[row].abs(), terms.length());
             let (distance, size) = (if g == 0.0 { 0.0 } else { g / length }, terms.size(length));

@@ -13,6 +13,7 @@
 //! The curve is Hermite's cubic, and where an equation is not small on it, the quartic that also matches the
 //! acceleration at the end.
 
+use crate::effect::force::Force;
 use crate::effect::interval::Inertia;
 use crate::effect::list::Forces;
 use crate::error::StepFailure;
@@ -196,13 +197,17 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     #[inline(never)]
     fn go_there(&self, h: f64, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> Result<(), Failure> {
         let (mut off, mut body) = (f64::NAN, 0);
+        // Of the places, and of what forces alone would have moved bodies by.
+        let pushed = self.shape.roots.iter().zip(&now.kept.tied.force);
+        let pushed = most(pushed.map(|(root, force)| h * h * largest(&root.velocity(&force.components()))));
+        let size = pushed.max(most(now.q.as_ref().iter().map(largest)));
         for parts in PARTS {
             let Some(there) = self.goes_along(h, parts, before, now) else { continue };
             let places = there.iter().zip(now.q.as_ref());
             let offs: Vec<f64> = places.map(|(a, b)| largest(&add_scaled(a, -1.0, b))).collect();
             off = most(offs.iter().copied());
             body = offs.iter().position(|&x| x == off).unwrap_or(0);
-            if off <= THERE * f64::EPSILON * most(now.q.as_ref().iter().map(largest)) {
+            if off <= THERE * f64::EPSILON * size {
                 return Ok(());
             }
         }

@@ -18,6 +18,8 @@ use std::sync::Arc;
 pub(crate) trait LinkGroup<const D: usize>: Any + Debug + Send + Sync {
     /// The type that the macro made.
     fn name(&self) -> &'static str;
+    /// The name of a parameter that is NaN, if one is.
+    fn nan_parameter(&self) -> Option<&'static str>;
     /// Equations of a member.
     fn equations(&self) -> usize;
     /// The bodies of each member in turn, and how many a member ties together.
@@ -102,6 +104,7 @@ pub(crate) trait LinkGroup<const D: usize>: Any + Debug + Send + Sync {
 #[derive(Clone)]
 pub(crate) struct Links<G, const K: usize, const M: usize, const A: usize, const D: usize> {
     pub(crate) name: &'static str,
+    nan_parameter: Option<&'static str>,
     /// One for all members, or one for each.
     pub(crate) kernels: Vec<G>,
     pub(crate) members: Vec<[usize; A]>,
@@ -128,6 +131,7 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
         let name = short_name::<C>();
         Self {
             name,
+            nan_parameter: constraints.iter().find_map(C::nan_parameter),
             kernels: constraints.iter().map(|constraint| constraint.kernel::<f64>()).collect(),
             members,
             acting: None,
@@ -213,6 +217,9 @@ where
 {
     fn name(&self) -> &'static str {
         self.name
+    }
+    fn nan_parameter(&self) -> Option<&'static str> {
+        self.nan_parameter
     }
     fn equations(&self) -> usize {
         M

@@ -1,8 +1,9 @@
 //! Constraint and energy in phase space as the constraints of a scene.
 
 use crate::effect::list::{Effects, Forces};
-use crate::error::Error;
+use crate::error::{Error, refuse_nan};
 use crate::kernel::functions::{Hamiltonian, PhaseConstraint};
+use crate::kernel::over::short_name;
 use crate::motion::bodies::{Body, Count};
 use crate::motion::hold::{Hold, Kind, PhaseSpaces};
 use crate::motion::state::State;
@@ -49,6 +50,11 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
             system.check(state).map_err(|cause| Error::Start { body, cause })?;
         }
         Ok(system)
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        refuse_nan(short_name::<G>(), self.constraint.nan_parameter())?;
+        refuse_nan(short_name::<H>(), self.hamiltonian.nan_parameter())
     }
 
     fn project(&self, state: &State<D>) -> Result<State<D>, Error> {

@@ -1,8 +1,9 @@
 //! Constraints of one equation, with a surface for each body, as the constraints of a scene.
 
 use crate::effect::list::Effects;
-use crate::error::Error;
+use crate::error::{Error, refuse_nan};
 use crate::kernel::functions::Constraint;
+use crate::kernel::over::short_name;
 use crate::motion::bodies::Count;
 use crate::motion::hold::{Hold, Surfaces};
 use crate::motion::state::State;
@@ -29,6 +30,10 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
             start::check(&constraint, state, path, tangent).map_err(|cause| Error::Start { body, cause })?;
         }
         Ok(OnSurface::new(constraint, self.kernel(), effects.forces(), count))
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        refuse_nan(short_name::<C>(), self.nan_parameter())
     }
 
     fn project(&self, state: &State<D>) -> Result<State<D>, Error> {

@@ -168,13 +168,15 @@ pub(super) fn check_walk<T: Scalar, const D: usize>(
     to: &Body<T, D>,
 ) -> Result<(), Failure> {
     let place = |s: f64| cubic(h, s, [&from.q, &to.q], [&from.p, &to.p]);
+    // Places on the way count, too: a step may end at the origin.
+    let ways = [&from.p, &to.p].map(|p| T::from_f64(h.abs()) * largest(p));
+    let size = ways.into_iter().fold(largest(&from.q).max(largest(&to.q)), T::max);
     let (mut q, to) = (from.q, &to.q);
     for part in 1..BENDS {
         let towards = place(f64::from(part) / f64::from(BENDS));
         let _near_enough = walk(equation, body, &mut q, &towards);
     }
     let off = walk(equation, body, &mut q, to);
-    let size = largest(&from.q).max(largest(to));
     if off.le(T::from_f64(THERE * T::EPSILON) * size) {
         return Ok(());
     }

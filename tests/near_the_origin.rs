@@ -1,0 +1,102 @@
+//! Near the origin, where coordinates are smaller than what forces alone would move a body by in a step: it is that
+//! whose rounding is left, and to ask for less refused small oscillations about an equilibrium.
+
+use rattle::composition::SUZUKI_1990_ORDER_4;
+use rattle::curvature::geodesic_distance;
+use rattle::nalgebra::Vector3;
+use rattle::potentials::Gravity;
+use rattle::prelude::*;
+use rattle::surfaces::Plane;
+
+constraint! { struct Bowl {} |x, y, z| z - (x^2 + 2 * y^2) / 2 }
+constraint! { struct Curve {} |x, y, z| [z - x^2, y - x / 10] }
+
+const G: f64 = 9.81;
+
+/// Swings of this momentum about the bottom: they keep their size, and the surface to the rounding of h²g.
+fn swings<S: Method>(e: f64, method: &S) {
+    let (h, name) = (method.step_size(), method.name());
+    let start = State::at([0.0; 3]).moving([e, 0.7 * e, 0.0]);
+    let most = e / G.sqrt() * 1.3;
+    let look = |q: Vector3<f64>, what: &str| {
+        let off = q.z - (q.x * q.x + 2.0 * q.y * q.y) / 2.0;
+        let floor = 8.0 * f64::EPSILON * (q.norm() + h * h * G);
+        assert!(off.abs() <= floor, "{name}, {what}, p = {e:e}: {off:e} beside, {floor:e} is rounding");
+        assert!(q.norm() < most, "{name}, {what}, p = {e:e}: {q:?}");
+    };
+    let told = |what: &str, error: rattle::Error| panic!("{name}, {what}, p = {e:e}: {error}");
+    let scene = Scene::on(Bowl {}).with(Gravity { g: G });
+    let mut surface = scene.simulate(start.clone(), method.clone()).unwrap();
+    surface
+        .run_with(300, |now| look(now.position(), "surface"))
+        .unwrap_or_else(|error| told("surface", error));
+    let scene = Scene::on(Bowl {}).mass(1.0).with(Gravity { g: G });
+    let mut linked = scene.simulate(start, method.clone()).unwrap();
+    linked.run_with(300, |now| look(now.position(), "linked")).unwrap_or_else(|error| told("linked", error));
+}
+
+#[test]
+fn small_swings_go_on() {
+    for k in 2..15 {
+        let e = 10_f64.powi(-k);
+        swings(e, &Rattle::new(0.01));
+        swings(e, &Composition::of(SUZUKI_1990_ORDER_4, Rattle::new(0.05)));
+        swings(e, &Lobatto::<3>::new(0.05));
+        swings(e, &Lobatto::<5>::new(0.05));
+        swings(e, &Bdf2::new(0.01));
+        swings(e, &Dop853::new(0.05));
+        swings(e, &Taylor::new(12, 0.05));
+    }
+}
+
+/// Two equations of one body, and many bodies at once, which go in rows.
+#[test]
+fn small_swings_along_a_curve() {
+    for k in 2..15 {
+        let start = State::at([0.0; 3]).moving([10_f64.powi(-k), 10_f64.powi(-k - 1), 0.0]);
+        let scene = Scene::on(Curve {}).with(Gravity { g: G });
+        let run = scene.simulate(start.clone(), Rattle::new(0.01)).unwrap().run(1000);
+        assert!(run.is_ok(), "1e-{k}: {run:?}");
+        let many = Scene::on(Bowl {}).mass(1.0).bodies(100).with(Gravity { g: G });
+        let start = State::of([[0.0; 3]; 100]).with_momenta([[10_f64.powi(-k), 0.0, 0.0]; 100]);
+        let run = many.simulate(start, Rattle::new(0.01)).unwrap().run(300);
+        assert!(run.is_ok(), "1e-{k}, many: {run:?}");
+    }
+}
+
+/// Thrown up a plane through the origin, a body is back after a step: where it ends tells nothing of how far it went.
+#[test]
+fn back_at_the_origin() {
+    let plane = Plane { a: 0.5, b: 0.0, c: 0.75_f64.sqrt(), d: 0.0 };
+    let down = Vector3::new(0.75_f64.sqrt(), 0.0, -0.5);
+    for part in [1.0, 1.0 - 1e-12, 1.0 + 1e-9, 1.0 - 1e-6, 0.999, 1.0 + 1e-3] {
+        fn back<S: Method>(plane: Plane, p: Vector3<f64>, method: S) {
+            let start = State::at([0.0; 3]).moving(p);
+            let surface = Scene::on(plane).with(Gravity { g: G });
+            let mut run = surface.simulate(surface.project(&start).unwrap(), method.clone()).unwrap();
+            run.run(1).unwrap_or_else(|error| panic!("{}, surface: {error}", method.name()));
+            let linked = Scene::on(plane).mass(1.0).with(Gravity { g: G });
+            let mut run = linked.simulate(linked.project(&start).unwrap(), method.clone()).unwrap();
+            run.run(1).unwrap_or_else(|error| panic!("{}, linked: {error}", method.name()));
+            assert!(run.position().norm() < 1e-2 * method.step_size() * p.norm());
+        }
+        let (h, p) = (0.01, -part * 0.5 * 0.01 * G * 0.5 * down);
+        back(plane, p, Rattle::new(h));
+        back(plane, p, Lobatto::<3>::new(h));
+        back(plane, p, Lobatto::<5>::new(h));
+        back(plane, p, Taylor::new(8, h));
+        back(plane, p, Dop853::new(h));
+        back(plane, p, Bdf2::new(h));
+    }
+}
+
+/// A place that a run reached is on the surface, however near to the origin.
+#[test]
+fn geodesics_from_the_origin() {
+    let plane = Plane { a: 0.5, b: 0.0, c: 0.75_f64.sqrt(), d: 0.0 };
+    let along = Vector3::new(0.75_f64.sqrt(), 0.0, -0.5);
+    let mut run = Scene::on(plane).simulate(State::at(-along).moving(along), Rattle::new(0.1)).unwrap();
+    run.run(10).unwrap();
+    let way = geodesic_distance(&plane, &run.position(), &along).unwrap();
+    assert!((way.distance - 1.0).abs() < 1e-15, "{:e}", way.distance - 1.0);
+}
