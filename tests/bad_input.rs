@@ -19,7 +19,7 @@ potential! {
 
 potential! { struct Shaken { a } |x, _y, t| a * x * sin(t) }
 phase_constraint! { struct Circle { r } |q, p| q^2 + p^2 - r^2 }
-hamiltonian! { struct Falling { g } |q, p| p^2 / 2 + g * q }
+hamiltonian! { struct Dropping { g } |q, p| p^2 / 2 + g * q }
 
 force! {
     /// Another push where the body goes back.
@@ -505,8 +505,8 @@ fn a_parameter_that_is_nan_is_told_by_its_name() {
     let free = pair.simulate(State::of(two), Rattle::new(0.01)).unwrap();
     let wall = Plane { a: 1.0, b: 0.0, c: nan, d: 0.0 };
     assert_eq!(named(free.collide(Stop::above(wall)).map(|_| ())), "Plane.c");
-    let hopf = Scene::in_phase_space(Circle { r: 1.0 }, Falling { g: nan });
-    assert_eq!(named(hopf.project(&State::at([1.0])).map(|_| ())), "Falling.g");
+    let hopf = Scene::in_phase_space(Circle { r: 1.0 }, Dropping { g: nan });
+    assert_eq!(named(hopf.project(&State::at([1.0])).map(|_| ())), "Dropping.g");
     let starts = [0.5, nan].map(|r| (Scene::on(Sphere { r }), State::at([r, 0.0, 0.0])));
     assert_eq!(
         named(

@@ -143,8 +143,8 @@ impl Scene<(), (), One, 0> {
 }
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// The same scene with `number` bodies, each with its own copy of the constraint. Links and pins of some bodies alone
-    /// have no copies, so that `number` must be what it was when they were added; effects stay as they are.
+    /// The same scene with `number` bodies, each with its own copy of the constraint. Links and pins of some bodies
+    /// alone have no copies, so that `number` must be what it was when they were added; effects stay as they are.
     ///
     /// Eight bodies or more are moved several at a time on processors with fused multiply-add, which takes a half to a
     /// fourth of the time. Their motion then differs by rounding from that of each body alone, since other code

@@ -182,10 +182,12 @@ pub enum StartFailure {
         moving: bool,
     },
     /// The multiplier of an equation acts only on coordinates on which the equation does not depend here, or others act
-    /// along the same; or `LinearAlgebra::Elimination` was asked for, which does not exchange rows, where that is needed.
+    /// along the same; or rows would have to be exchanged, and `LinearAlgebra::Elimination` was asked for, which does
+    /// not.
     #[error(
-        "the multiplier of {equation} acts on coordinates along which g does not change here, or no otherwise than by the \
-         multipliers of others (or asks for an exchange of rows, which `LinearAlgebra::Automatic` makes, `Elimination` not)"
+        "the multiplier of {equation} acts on coordinates along which g does not change here, or no otherwise than by \
+         the multipliers of others (or asks for an exchange of rows, which `LinearAlgebra::Automatic` makes, `Elimination` \
+         not)"
     )]
     CannotAct {
         /// Which equation.

@@ -204,8 +204,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// potentials: what constraints answer to [flows](crate::effect::Flow), such as a `force!`, drag or a magnetic
     /// field, is not in λ.
     ///
-    /// Of redundant equations they are those of least norm, each in the unit of a normal of length 1 in the metric of M⁻¹:
-    /// how a load is divided among too many links depends on masses, not on how stiff links would be.
+    /// Of redundant equations they are those of least norm, each in the unit of a normal of length 1 in the metric of
+    /// M⁻¹: how a load is divided among too many links depends on masses, not on how stiff links would be.
     pub fn multipliers(&self) -> Vec<f64> {
         self.at_one_time(&self.bodies, answers::multipliers)
     }

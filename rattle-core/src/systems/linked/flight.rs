@@ -16,9 +16,9 @@
 //! ([`crate::solve::stop`]). It also ends where a newly evaluated derivative does not reduce the residuals: then they
 //! are the rounding of g itself.
 //!
-//! **Which root**: see [`crate::solve::root`]. Here "upright" means that pivots remain positive, or where multipliers act
-//! on chosen coordinates that the determinant keeps its sign, and a path is short if normals change by less than half of
-//! themselves.
+//! **Which root**: see [`crate::solve::root`]. Here "upright" means that pivots remain positive, or where multipliers
+//! act on chosen coordinates that the determinant keeps its sign, and a path is short if normals change by less than
+//! half of themselves.
 
 use crate::motion::failure::Failure;
 use crate::number::vector::{add_scaled, dot, larger, largest, size, sum};
