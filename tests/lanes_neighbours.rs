@@ -1,5 +1,5 @@
-//! What becomes of a trajectory does not depend on its neighbours where one of them is faster than expected: it is asked
-//! at once whether other sheets are near that one, and none of the others.
+//! What becomes of a trajectory does not depend on its neighbours where one of them is faster than expected: it is
+//! asked at once whether other sheets are near that one, and none of the others.
 
 use rattle::effect::Langevin;
 use rattle::ensemble::{Ensemble, InstructionSet};

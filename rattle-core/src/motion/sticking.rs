@@ -13,8 +13,8 @@ use crate::number::vector::{add_scaled, dot, largest};
 /// What rounding may leave of the momentum that a flow gives a body at rest.
 const STILL: f64 = 64.0 * f64::EPSILON;
 
-/// Makes a step: flows before it, the step itself, and flows after it. Bodies that are at rest before the first and after
-/// the last are put back; what flows did to them is no work.
+/// Makes a step: flows before it, the step itself, and flows after it. Bodies that are at rest before the first and
+/// after the last are put back; what flows did to them is no work.
 #[inline(never)]
 pub(super) fn step<T: Scalar, Y: System<T, D>, const D: usize>(
     system: &Y,

@@ -156,8 +156,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// * [flows](crate::effect::Flow) of momenta: drag, friction, heat, `force!`;
     /// * inelastic [impacts](Self::collide) (negative).
     ///
-    /// A potential that jumps at an instant does work that is not booked: U has to be continuous in t. Where momenta are
-    /// [half a step apart](Self::momentum_time), it is the work from their time at the start to their time now.
+    /// A potential that jumps at an instant does work that is not booked: U has to be continuous in t. Where momenta
+    /// are [half a step apart](Self::momentum_time), it is the work from their time at the start to their time now.
     pub fn work(&self) -> f64 {
         self.bodies.work
     }
@@ -199,8 +199,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// Multipliers λ of the equations (by link, then member, then equation), from g̈ = 0 at the present state; accurate
-    /// to the order of the method. Where momenta are [half a step apart](Self::momentum_time), they are first brought to
-    /// the time of the positions. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|². Here f are potentials and driven
+    /// to the order of the method. Where momenta are [half a step apart](Self::momentum_time), they are first brought
+    /// to the time of the positions. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|². Here f are potentials and driven
     /// potentials: what constraints answer to [flows](crate::effect::Flow), such as a `force!`, drag or a magnetic
     /// field, is not in λ.
     ///

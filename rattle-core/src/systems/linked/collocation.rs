@@ -9,8 +9,8 @@
 //! ```
 //!
 //! This contracts by about the angle that normals turn within the step, relative to a right angle, times √(M/m) where
-//! links join a body of mass m to bodies of mass M, and divided by the sine of a normal to the others: fast for accurate
-//! steps of bodies that are about as heavy, and not at all for a light body with many heavy arms.
+//! links join a body of mass m to bodies of mass M, and divided by the sine of a normal to the others: fast for
+//! accurate steps of bodies that are about as heavy, and not at all for a light body with many heavy arms.
 //!
 //! What rounding makes of a displacement is larger by 1 over that sine. Where displacements do not become smaller above
 //! the rounding of coordinates, they are measured by that.

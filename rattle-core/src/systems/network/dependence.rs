@@ -1,9 +1,9 @@
 //! Whether equations depend on each other, where elimination does not tell.
 //!
 //! A pivot of A = G M⁻¹Gᵀ that should be zero is what rounding leaves of it: in a long structure more than the square
-//! of a sine that still carries digits. What tells is the combination of normals that should be zero. Its first guess is
-//! what the factors make of the row with the weakest pivot, and each repetition leaves of everything else in z what the
-//! factors are off by:
+//! of a sine that still carries digits. What tells is the combination of normals that should be zero. Its first guess
+//! is what the factors make of the row with the weakest pivot, and each repetition leaves of everything else in z what
+//! the factors are off by:
 //!
 //! ```text
 //! LU z = eₖ        z ← z − (LU)⁻¹ A z        |M^(−½) Gᵀz| < ε m Σ |zᵢ| |M^(−½) ∇gᵢ|

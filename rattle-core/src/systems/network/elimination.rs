@@ -14,7 +14,7 @@ use crate::systems::network::hubs::Hubs;
 use crate::systems::network::late::Late;
 use crate::systems::network::mass::Root;
 use crate::systems::network::pattern::Pattern;
-use crate::systems::network::rows::Rows;
+use crate::systems::network::rows::{Blocks, Rows};
 #[cfg(feature = "faer")]
 use crate::systems::network::supernodal::Supernodal;
 use std::array::from_fn;
@@ -432,24 +432,6 @@ impl<const D: usize> Elimination<D> {
     /// Adds `scale` GᵀΛ to each body's momentum.
     pub(crate) fn push(&self, rows: &Rows, scale: f64, x: &[f64], out: &mut [[f64; D]]) {
         self.combine(rows, &self.normals, x, |body, blocks| out[body] = blocks.add_to(out[body], scale));
-    }
-}
-
-/// The rows and blocks of a body, and an x.
-#[derive(Clone, Copy)]
-struct Blocks<'a, const D: usize> {
-    own: &'a [(usize, usize)],
-    blocks: &'a [[f64; D]],
-    x: &'a [f64],
-}
-
-impl<const D: usize> Blocks<'_, D> {
-    /// A place and what they add up to, times `scale`, in the order of the rows.
-    #[inline(always)]
-    fn add_to(&self, start: [f64; D], scale: f64) -> [f64; D] {
-        let add =
-            |sum, &(row, block): &(usize, usize)| add_scaled(&sum, scale * self.x[row], &self.blocks[block]);
-        self.own.iter().fold(start, add)
     }
 }
 

@@ -1,5 +1,6 @@
 //! A component: equations coupled by the bodies that they share. Each component is solved by itself.
 
+use crate::number::vector::add_scaled;
 use crate::solve::stop::Terms;
 use crate::systems::network::group::LinkGroup;
 use crate::systems::network::line::Line;
@@ -199,4 +200,22 @@ pub(crate) fn components<const D: usize>(
         rows.line = Line::new(&rows.touched, &rows.free, rows.width);
     }
     (components, fixed)
+}
+
+/// The rows and blocks of a body, and an x.
+#[derive(Clone, Copy)]
+pub(super) struct Blocks<'a, const D: usize> {
+    pub(super) own: &'a [(usize, usize)],
+    pub(super) blocks: &'a [[f64; D]],
+    pub(super) x: &'a [f64],
+}
+
+impl<const D: usize> Blocks<'_, D> {
+    /// A place and what they add up to, times `scale`, in the order of the rows.
+    #[inline(always)]
+    pub(super) fn add_to(&self, start: [f64; D], scale: f64) -> [f64; D] {
+        let add =
+            |sum, &(row, block): &(usize, usize)| add_scaled(&sum, scale * self.x[row], &self.blocks[block]);
+        self.own.iter().fold(start, add)
+    }
 }
