@@ -59,8 +59,8 @@ pub(in crate::run) fn residuals<Y: System<f64, D>, const D: usize>(
     of_equations(system, |out| system.residuals(bodies, out))
 }
 
-/// What a question has for an answer where momenta are at the time of positions: kicked by what they are later, and
-/// made tangent, as a step of h does.
+/// What a question has for an answer where momenta, which are so much `later`, are brought to the time of positions: by
+/// a kick back that makes them tangent, as in a step of h.
 pub(in crate::run) fn at_one_time<Y: System<f64, D>, R, const D: usize>(
     system: &Y,
     bodies: &BodiesOf<Y, f64, D>,
