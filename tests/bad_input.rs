@@ -6,7 +6,7 @@ use rattle::Rigid;
 use rattle::effect::Stop;
 use rattle::error::{NetworkMistake, PhaseMistake, RigidFailure, StartFailure, StepFailure, SurfaceFailure};
 use rattle::links::Rod;
-use rattle::potentials::{Harmonic, Wca};
+use rattle::potentials::{Wca, planar::Harmonic};
 use rattle::prelude::*;
 use rattle::surfaces::{Plane, Sphere};
 use rattle::watch::{Histogram, Mean, ShadowEnergy, Sight};

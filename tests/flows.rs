@@ -3,7 +3,9 @@
 
 use crate::common::order;
 use crate::common::symplectic::defect_in;
-use rattle::effect::{DryFriction, Effects, Flow, LinearDrag, MagneticField, QuadraticDrag, SelfPropulsion};
+use rattle::effect::{
+    DryFriction, Effects, Flow, LinearDrag, MagneticField, QuadraticDrag, SelfPropulsion, Stop,
+};
 use rattle::links::Rod;
 use rattle::nalgebra::{Matrix3, SVector, Vector3};
 use rattle::potentials::Gravity;
@@ -206,6 +208,8 @@ fn a_field_does_no_work_on_masses_that_are_matrices() {
     }
 }
 
+potential! { struct Push { f } |x, y, _z| -f * (x + y) }
+
 /// ṗ = −μN v/|v| where v is not along p, against steps of a thousandth; and at rest in the end.
 #[test]
 fn friction_is_along_the_velocity() {
@@ -233,11 +237,33 @@ fn friction_is_along_the_velocity() {
     });
     let order = order(&errors);
     assert!(errors[2] < 1e-7 && (1.8..2.3).contains(&order), "{errors:?}");
-    let mut simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
-    simulation.run(10_000).unwrap();
-    let place = simulation.position();
-    simulation.run(100).unwrap();
-    assert_eq!((simulation.velocity().norm(), simulation.position()), (0.0, place));
+    // No half of a step gains energy, however v turns away from p, until the body rests; then it stays.
+    for light in [0.5, 0.1, 1e-2, 1e-4] {
+        let floor = Scene::point().link(floor, [[0]]).mass([1.0, light, 1.0]).with(Gravity { g: 1.0 });
+        let scene = floor.with(DryFriction { coefficient: mu });
+        let mut now =
+            scene.simulate(State::at([0.0; 3]).moving([1.0, 0.01, 0.0]), Rattle::new(0.01)).unwrap();
+        let mut energy = now.kinetic_energy();
+        for step in 0..1010 {
+            now.step().unwrap();
+            assert!(now.kinetic_energy() <= energy, "mass {light}, step {step}");
+            energy = now.kinetic_energy();
+        }
+        let place = now.position();
+        now.run(10).unwrap();
+        assert_eq!((now.velocity().norm(), now.position()), (0.0, place), "mass {light}");
+        // By 1.1 of the friction it is pushed away, by 0.9 it is not.
+        for (part, moves) in [(0.9, false), (1.1, true)] {
+            let force = part * mu * std::f64::consts::FRAC_1_SQRT_2;
+            let mut pushed = scene
+                .clone()
+                .with(Push { f: force })
+                .simulate(State::at([0.0; 3]), Rattle::new(0.01))
+                .unwrap();
+            pushed.run(10).unwrap();
+            assert_eq!(pushed.position().norm() > 0.0, moves, "mass {light}, {part}");
+        }
+    }
 }
 
 /// On a slope of 45°: starting, sliding and coming to rest, against v = g (sin α ∓ μ cos α) t.
@@ -314,6 +340,12 @@ fn what_sticks_stays() {
     stays!(Lobatto::<3>::new(0.05));
     stays!(Lobatto::<5>::new(0.05));
     stays!(Composition::of(SUZUKI_1990_ORDER_4, Rattle::new(0.05)));
+    // Beside one that bounces, in steps that are taken in parts, too.
+    let ball = State::of([[0.2, 0.3, 0.0], [0.5, 0.0, 0.0]]).with_momenta([[0.0; 3], [4.0, 0.0, 0.0]]);
+    let wall = Stop::below(Plane { a: 1.0, b: 0.0, c: 0.0, d: 0.6 });
+    let mut run = floor.simulate(ball, Lobatto::<3>::new(0.05)).unwrap().retry(4).collide(wall).unwrap();
+    run.run(20).unwrap();
+    rests("beside a ball", run.positions().next().unwrap(), Vector3::new(0.2, 0.3, 0.0), 0.0);
     // What acts in the middle of a step cannot know of forces that come at its end.
     let refused = bowl.simulate(State::at([0.0, 0.0, -1.0]), Baoab::new(0.05)).unwrap_err().to_string();
     assert!(refused.contains("feels forces") && refused.contains("Geodesic"), "{refused}");

@@ -1,10 +1,12 @@
 //! Dry friction, with sticking.
 
 use crate::effect::flow::Flow;
-use crate::effect::interval::{Interval, has_scalar_mass};
+use crate::effect::interval::{Interval, has_scalar_mass, inverse_mass};
 use crate::error::EffectMistake;
+use crate::number::linear::solve_positive;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, scaled, sum};
+use std::array::from_fn;
 
 /// Coulomb's dry friction of bodies that slide on their surface (1785).
 ///
@@ -18,7 +20,7 @@ use crate::number::vector::{add_scaled, dot, scaled, sum};
 /// flows, which shake a body loose.
 ///
 /// A body that comes to rest stays at its place, to the last bit: friction then cancels exactly the forces of the next
-/// step. (Where bodies are linked and not all of them rest, that takes a method that begins with a kick, as
+/// step. (In a network, where not all bodies rest, or some links move, that takes a method that begins with a kick, as
 /// [`Rattle`](crate::methods::rattle::Rattle) and [`Geodesic`](crate::methods::geodesic::Geodesic) do; by others a body
 /// at rest creeps by some h³ in a unit of time.) Of second order while a body slides. The surface holds a body from
 /// both sides, so N has no sign: N = |f·n + κv²|, with the force f and the curvature κ of the path. For linked bodies N
@@ -50,8 +52,8 @@ pub struct DryFriction {
     pub coefficient: f64,
 }
 
-/// How often the direction of v in the middle is found anew, where the mass is a matrix: each time half as far off or
-/// better.
+/// Rounds of Newton's method where the mass is a matrix: from below, and each with twice the digits of the one before,
+/// once the smallest mass no longer matters.
 const ROUNDS: usize = 24;
 
 impl<const D: usize> Flow<D> for DryFriction {
@@ -62,19 +64,13 @@ impl<const D: usize> Flow<D> for DryFriction {
         let (h, mu) = (T::from_f64(during.h), T::from_f64(self.coefficient));
         let length = |a: &[T; D]| dot(a, a).sqrt();
         // What is left of p after an impulse against v, which is along p where the mass is a number.
-        let slowed = |body: usize, p: &[T; D], impulse: T| {
-            if has_scalar_mass(during.inertia, body) {
-                let size = length(p);
-                return scaled(T::select(impulse.lt(size), one - impulse / size, zero), p);
+        let slowed = |inverse: Option<&[[T; D]; D]>, p: &[T; D], impulse: T| {
+            let size = length(p);
+            if let Some(inverse) = inverse {
+                let left = add_scaled(p, -one, &taken(inverse, p, impulse));
+                return left.map(|p| T::select(impulse.lt(size), p, zero));
             }
-            let v = during.inertia.velocity(body, p);
-            let slides = impulse.lt(dot(p, &v) / length(&v)); // not so for NaN
-            let mut next = *p;
-            for _ in 0..ROUNDS {
-                let v = during.inertia.velocity(body, &sum(p, &next));
-                next = add_scaled(p, -(impulse / length(&v)), &v);
-            }
-            next.map(|p| T::select(slides, p, zero))
+            scaled(T::select(impulse.lt(size), one - impulse / size, zero), p)
         };
         let forces = during.rates.iter().zip(during.holding).zip(during.coming);
         for (body, ((change, p), ((rate, holding), coming))) in
@@ -82,13 +78,19 @@ impl<const D: usize> Flow<D> for DryFriction {
         {
             // Along links that move: with what they impose a body does not slide.
             let p = &during.led.get(body).map_or(*p, |led| add_scaled(p, -one, led));
+            let matrix = (!has_scalar_mass(during.inertia, body)).then(|| inverse_mass(during.inertia, body));
+            let inverse = matrix.as_ref();
+            // What an impulse gives, but for a factor where the mass is a number.
+            let velocity = |a: &[T; D]| inverse.map_or(*a, |inverse| inverse.map(|line| dot(&line, a)));
             // N at the middle of the flow: its part that answers forces stays, that of the curvature goes with v².
             let (size, force) = (length(p), add_scaled(rate, -one, holding));
-            let square = dot(holding, holding);
-            let share = T::select(zero.lt(square), -dot(&force, holding) / square, zero);
+            let held = velocity(holding);
+            let square = dot(holding, &held);
+            let share = T::select(zero.lt(square), -dot(&force, &held) / square, zero);
             let at_rest = scaled(share, holding);
-            let half = slowed(body, p, T::from_f64(0.5) * mu * length(holding) * h);
-            let left = T::select(zero.lt(size), dot(&half, &half) / dot(p, p), zero);
+            let half = slowed(inverse, p, T::from_f64(0.5) * mu * length(holding) * h);
+            let (half, whole) = (velocity(&half), velocity(p));
+            let left = T::select(zero.lt(size), dot(&half, &half) / dot(&whole, &whole), zero);
             // Where links move, the rest of N may be their acceleration.
             let left = if during.led.is_empty() { left } else { one };
             let curved = add_scaled(holding, -one, &at_rest);
@@ -96,9 +98,9 @@ impl<const D: usize> Flow<D> for DryFriction {
 
             let near_rest = size.le(impulse + length(coming)).all();
             let next = if near_rest {
-                add_scaled(&slowed(body, &sum(p, coming), impulse), -one, coming)
+                add_scaled(&slowed(inverse, &sum(p, coming), impulse), -one, coming)
             } else {
-                slowed(body, p, impulse)
+                slowed(inverse, p, impulse)
             };
             *change = add_scaled(&next, -one, p);
         }
@@ -112,4 +114,31 @@ impl<const D: usize> Flow<D> for DryFriction {
     fn check(&self, _: usize) -> Result<(), EffectMistake> {
         EffectMistake::unless_positive_or_zero("coefficient", self.coefficient)
     }
+}
+
+/// What an impulse of this size takes from p, less than p is long, along v in the middle: p′ = p − 2x with
+///
+/// ```text
+/// x = (1 + wM)⁻¹p ∥ v      |x| = ½ impulse      1/|x| rises with w, and ever less
+/// ```
+///
+/// as in the secular equation of trust regions (M. Hebden 1973). So no kinetic energy is gained.
+fn taken<T: Real, const D: usize>(inverse: &[[T; D]; D], p: &[T; D], impulse: T) -> [T; D] {
+    let (zero, one) = (T::from_f64(0.0), T::from_f64(1.0));
+    // With B = M⁻¹: x = Bz, z = (B + w)⁻¹p.
+    let by_inverse = |a: &[T; D]| inverse.map(|line| dot(&line, a));
+    let solved = |w: T, a: [T; D]| {
+        let shifted = |i: usize, k: usize| if i == k { inverse[i][k] + w } else { inverse[i][k] };
+        solve_positive(from_fn(|i| from_fn(|k| shifted(i, k))), a)
+    };
+    let (mut w, mut x) = (zero, *p);
+    for _ in 0..ROUNDS {
+        let length = dot(&x, &x).sqrt();
+        let z = solved(w, *p);
+        let slope = dot(&x, &by_inverse(&solved(w, z))) / (length * length * length);
+        w = w + (T::from_f64(2.0) / impulse - one / length) / slope;
+        x = by_inverse(&solved(w, *p));
+    }
+    let factor = impulse / dot(&x, &x).sqrt();
+    x.map(|x| T::select(zero.lt(impulse), factor * x, zero))
 }

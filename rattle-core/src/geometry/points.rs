@@ -4,7 +4,8 @@
 //! area, whatever its orientation (M. Crofton 1868). So of the k points in which a random line meets the surface one is
 //! taken, with the probability k/K, K being an upper bound of k: this point is uniform in area, exactly, in any
 //! dimension. No mesh and no parametrisation is needed. K is 4, or where one of 1000 other lines meets more points,
-//! twice as many as any of these; a line that meets more than K is so rare that it may be passed over.
+//! twice as many as any of these. Where a line meets more than K all begins again with twice of that; it is so rare
+//! that nobody sees the difference.
 //!
 //! The longest line is divided into `CELLS` cells; the points are found where g or its slope along the line changes
 //! sign in a cell. Two sheets nearer to each other than a cell can be missed.
@@ -36,7 +37,8 @@ const CANDIDATES: usize = 10;
 ///
 /// The time is proportional to `number` times (size of the box)ᴰ⁻¹ / (area of the surface), which is the number of
 /// lines for a point; each of them takes up to 256 evaluations of g. So the box should fit the surface: one that is
-/// twice as wide takes four times as long in space, and finds thin sheets less well, since its cells are wider.
+/// twice as wide takes four times as long in space, and finds thin sheets less well, since its cells are wider. Each
+/// call begins with 1000 lines that tell how often a line meets the surface.
 ///
 /// ```
 /// use rattle::prelude::*;
@@ -71,7 +73,7 @@ pub fn uniform<C: Constraint<D, 1>, const D: usize>(
 ///
 /// Averages over a hundred such points and more on a closed surface have errors that are two to four times smaller. At
 /// edges where the box cuts a surface such points are denser: averages over 100 points on a square are off by some 5 %,
-/// and nothing is gained there. Ten points lie farther out than the surface does.
+/// and nothing is gained there. Few points, ten on a torus, are farther out on average than its surface is.
 ///
 /// # Errors
 /// As [`uniform`].

@@ -18,7 +18,7 @@ pub mod record;
 pub(crate) mod rest;
 pub mod start;
 pub mod state;
-mod sticking;
+pub(crate) mod sticking;
 pub(crate) mod stir;
 pub mod system;
 pub mod table;

@@ -10,6 +10,9 @@ use crate::motion::system::System;
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest};
 
+/// Vectors that are [lent](crate::motion::bodies::Bodies::lend), for each body.
+pub(crate) const ROOM: usize = 4;
+
 /// What rounding may leave of the momentum that a flow gives a body at rest.
 const STILL: f64 = 64.0 * f64::EPSILON;
 
@@ -24,7 +27,7 @@ pub(super) fn step<T: Scalar, Y: System<T, D>, const D: usize>(
     last: impl FnOnce(&mut BodiesOf<Y, T, D>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let n = bodies.q.as_ref().len();
-    let mut lent = bodies.lend(4 * n);
+    let mut lent = bodies.lend(ROOM * n);
     let (q, others) = lent.split_at_mut(n);
     let (q_low, others) = others.split_at_mut(n);
     let (given, left) = others.split_at_mut(n);

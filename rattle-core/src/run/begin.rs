@@ -14,6 +14,7 @@ use crate::motion::method::{Method, check_step_size};
 use crate::motion::parts::BodiesOf;
 use crate::motion::parts::Parts;
 use crate::motion::state::State;
+use crate::motion::sticking;
 use crate::motion::stir;
 use crate::motion::system::System;
 use crate::run::simulation::Simulation;
@@ -160,6 +161,10 @@ pub(in crate::run) fn bodies_at<Y: System<f64, D>, const D: usize>(
     let mut bodies = system.bodies(&start.bodies, start.time);
     if Y::FLOWS > 0 {
         bodies.make_room(stir::ROOM);
+        if stir::feels(system) {
+            let lent = bodies.lend(sticking::ROOM * start.len());
+            bodies.take_back(lent);
+        }
     }
     bodies
 }

@@ -1,10 +1,9 @@
 //! Steps that are taken seldom, compiled in one place.
 
-use crate::effect::interval::Half;
 use crate::methods::able::view;
 use crate::motion::method::Method;
 use crate::motion::parts::BodiesOf;
-use crate::motion::stir::stir;
+use crate::motion::stir;
 use crate::motion::system::System;
 use crate::motion::witness::{Hears, Whoever};
 use crate::run::trouble::Trouble;
@@ -21,14 +20,11 @@ pub(in crate::run) fn seldom<Y: System<f64, D>, S: Method, const D: usize>(
     witness: &mut dyn Hears<f64>,
     flows: bool,
 ) -> Result<(), Trouble> {
-    let flows = const { Y::FLOWS > 0 && !S::STIRS } && flows;
-    let (seen, half) = (view(method, system)?, 0.5 * method.step_size());
-    if flows {
-        stir(Half::Before, half, system, bodies)?;
-    }
-    method.step(seen, bodies, memory, &mut Whoever(witness))?;
-    if flows {
-        stir(Half::After, half, system, bodies)?;
+    let (seen, mut witness) = (view(method, system)?, Whoever(witness));
+    if const { Y::FLOWS > 0 && !S::STIRS } && flows {
+        stir::step(method, seen, system, bodies, memory, &mut witness)?;
+    } else {
+        method.step(seen, bodies, memory, &mut witness)?;
     }
     Ok(())
 }

@@ -78,13 +78,15 @@ impl<const D: usize> Pull<'_, D> {
 pub(super) struct Rounds {
     /// Behind.
     number: usize,
+    /// By a solver that loses digits.
+    lossy: bool,
     /// The square of how far the last one moved bodies.
     last: f64,
 }
 
 impl Rounds {
     pub(super) fn begin() -> Self {
-        Self { number: 0, last: f64::INFINITY }
+        Self { number: 0, lossy: false, last: f64::INFINITY }
     }
 
     /// After a first one, whose outcome is taken.
@@ -99,7 +101,8 @@ impl Rounds {
 
     /// Whether there may be one more round, by a solver that loses digits or does not.
     #[inline(always)]
-    pub(super) fn has_another(&self, lossy: bool) -> bool {
+    pub(super) fn has_another(&mut self, lossy: bool) -> bool {
+        self.lossy = lossy;
         self.number < if lossy { ROUNDS } else { 2 }
     }
 
@@ -108,7 +111,7 @@ impl Rounds {
     #[inline(always)]
     pub(super) fn takes(&mut self, x: &[f64], residuals: &[f64]) -> bool {
         self.number += 1;
-        self.number <= 2 || self.shrinks(x, residuals)
+        self.number < 2 || !self.lossy || self.shrinks(x, residuals)
     }
 
     #[cold]

@@ -502,7 +502,7 @@ impl<const D: usize, const SYMMETRIC: bool> WithHubs<'_, D, SYMMETRIC> {
         touching[0].0
     }
 
-    /// The diagonal entry that an equation would have without hubs.
+    /// The diagonal entry that an equation would have if no body were a hub.
     #[inline(always)]
     fn diagonal(&self, row: usize) -> f64 {
         let lifted = &self.elimination.lifted;

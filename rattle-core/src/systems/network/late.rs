@@ -135,7 +135,7 @@ impl Late {
 
     /// The pivots of the border.
     pub(super) fn pivots(&self) -> impl Iterator<Item = f64> {
-        (0..self.rows.len()).map(|k| self.corner[k * self.most + k])
+        (0..self.taken).map(|k| self.corner[k * self.most + k])
     }
 
     fn line(&self, a: usize) -> &[f64] {
