@@ -106,11 +106,9 @@ impl Kernel<'_> {
             let (name, text) = (&parameter.name, parameter.name.unraw().to_string());
             let mut list = Vec::new();
             components(quote!(self.#name), &parameter.shape, &mut list);
-            quote! {
-                if #(::core::primitive::f64::is_nan(#list))||* {
-                    return ::core::option::Option::Some(#text);
-                }
-            }
+            // None of an array without entries.
+            let looks = (!list.is_empty()).then(|| quote!(if #(::core::primitive::f64::is_nan(#list))||*));
+            looks.map(|looks| quote!(#looks { return ::core::option::Option::Some(#text); }))
         });
         quote! {
             fn nan_parameter(&self) -> ::core::option::Option<&'static ::core::primitive::str> {
