@@ -96,7 +96,8 @@ fn bent_with_a_negative_minor() {
 fn dependent_links_beside_one_that_acts() {
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let rods = [[0, 1], [1, 2], [2, 3], [3, 0], [0, 2], [1, 3]];
-    let length = |a: usize, b: usize| (corners[a][0] - corners[b][0]).hypot(corners[a][1] - corners[b][1]);
+    let length =
+        |a: usize, b: usize| f64::hypot(corners[a][0] - corners[b][0], corners[a][1] - corners[b][1]);
     let scene = Scene::points::<2>(4).link_acting(Floor {}, [[0]], [[true, true]]);
     let scene = scene.link_each(rods.map(|[a, b]| (Rod { length: length(a, b) }, [a, b])));
     let error = scene.simulate(State::of(corners), Rattle::new(0.01)).map(drop).unwrap_err();
