@@ -182,7 +182,8 @@ fn pushes_are_of_second_order_and_work_is_booked() {
     let places = order(&ends.map(|(q, ..)| (q - exact).norm()));
     let energy = order(&ends.map(|(_, error, _)| error));
     assert!((1.8..2.3).contains(&places) && energy > 1.7, "{places:.2}, {energy:.2}");
-    let middle = order(&[h, h / 2.0, h / 4.0].map(|h| (end(&active, h, Baoab::new(h)).0 - exact).norm()));
+    let verlet = |h| (end(&active, h, PositionVerlet::new(h)).0 - exact).norm();
+    let middle = order(&[h, h / 2.0, h / 4.0].map(verlet));
     assert!((1.8..2.3).contains(&middle), "{middle:.2}");
     assert!(ends[2].2.abs() > 0.1 && ends[2].1 < 1e-3 * ends[2].2.abs(), "work {}", ends[2].2);
 }

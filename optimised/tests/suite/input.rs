@@ -26,7 +26,7 @@ pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     let numbers = Kind {
         why: "NaN compares false with everything: tests pass, loops end, and results are no numbers",
-        expect: "an error before the first step that names the component",
+        expect: "an error before the first step that names the component or parameter",
         reason: "each is refused",
     };
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -39,12 +39,14 @@ pub fn cases() -> Vec<Case> {
         }));
         cases.push(numbers.case(format!("gravity of {bad}"), 0.0, move || {
             Ok(refused(on(sphere(1.0), bad, State::at(fine), Rattle::new(0.01)), |error| {
-                matches!(error, Error::Start { cause: StartFailure::ForceNotFinite { .. }, .. })
+                let nan = matches!(error, Error::NanParameter { parameter: "g", .. });
+                nan || matches!(error, Error::Start { cause: StartFailure::ForceNotFinite { .. }, .. })
             }))
         }));
         cases.push(numbers.case(format!("a radius of {bad}"), 0.0, move || {
             Ok(refused(on(sphere(bad), 1.0, State::at(fine), Rattle::new(0.01)), |error| {
-                matches!(error, Error::Start { cause: StartFailure::ConstraintNotFinite { .. }, .. })
+                let nan = matches!(error, Error::NanParameter { parameter: "k", .. });
+                nan || matches!(error, Error::Start { cause: StartFailure::ConstraintNotFinite { .. }, .. })
             }))
         }));
     }
@@ -124,7 +126,7 @@ pub fn cases() -> Vec<Case> {
     }));
     let masses = Kind {
         why: "a mass that is no positive number divides by zero or turns energy over",
-        expect: "an error that names the body",
+        expect: "an error that names the body, or the weight that is no number",
         reason: "each is refused",
     };
     for mass in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-320] {
@@ -135,7 +137,9 @@ pub fn cases() -> Vec<Case> {
                 rods: vec![[0, 1]],
                 ..Rods::default()
             };
-            Ok(unless(rods.simulate(Rattle::new(0.01)), |error| matches!(error, Error::Network(_))))
+            Ok(unless(rods.simulate(Rattle::new(0.01)), |error| {
+                matches!(error, Error::Network(_) | Error::NanParameter { .. })
+            }))
         }));
     }
     let moments = Kind {
