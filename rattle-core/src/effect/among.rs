@@ -2,7 +2,7 @@
 
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
-use crate::error::{Error, expect_variables, refuse_nan};
+use crate::error::{Error, expect_variables};
 use crate::kernel::functions::{Potential, PotentialKernel};
 use crate::kernel::over::Over;
 use crate::kernel::series::Order;
@@ -38,8 +38,7 @@ impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, 
     }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
-        self.check_members(what, bodies)?;
-        refuse_nan(what, self.potentials.iter().find_map(P::nan_parameter))
+        self.check_each(what, bodies, P::nan_parameter)
     }
 }
 

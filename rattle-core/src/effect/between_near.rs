@@ -106,35 +106,39 @@ pub(super) fn check_within<P: PairPotential, B: Space<D>, const D: usize>(
     bodies: usize,
 ) -> Result<(), Error> {
     refuse_nan(what, within.potential.nan_parameter())?;
+    check_numbers(within, farther, what, bodies).map_err(Error::Pairs)
+}
+
+fn check_numbers<P: PairPotential, B: Space<D>, const D: usize>(
+    within: &Within<P, B>,
+    farther: f64,
+    what: &'static str,
+    bodies: usize,
+) -> Result<(), PairMistake> {
     let Within { ref potential, reach, ending, skin, ref space } = *within;
     if !(reach > 0.0 && (reach * reach).is_normal()) {
-        return Err(Error::Pairs(PairMistake::Reach { what, reach }));
+        return Err(PairMistake::Reach { what, reach });
     }
     let (kernel, square) = (potential.kernel::<f64>(), reach * reach);
     let last = match ending {
         Ending::Shifted => vec![kernel.value(square)],
         Ending::ForceShifted => vec![kernel.value(square), kernel.slope(square)],
         Ending::Switched { from } if (0.0..reach).contains(&from) => Vec::new(),
-        Ending::Switched { from } => return Err(Error::Pairs(PairMistake::Switch { what, from, reach })),
+        Ending::Switched { from } => return Err(PairMistake::Switch { what, from, reach }),
     };
     if let Some(&value) = last.iter().find(|value| !value.is_finite()) {
-        return Err(Error::Pairs(PairMistake::Value { what, reach, value }));
+        return Err(PairMistake::Value { what, reach, value });
     }
     if !(skin >= 0.0 && ((reach + skin) * (reach + skin)).is_finite()) {
-        return Err(Error::Pairs(PairMistake::Skin { what, skin }));
+        return Err(PairMistake::Skin { what, skin });
     }
     let (periods, reach) = (space.periods(), farther * reach);
     let serves = |period: &f64| *period >= 2.0 * reach; // not so for NaN
     if let Some(coordinate) = periods.iter().position(|period| !serves(period)) {
-        return Err(Error::Pairs(PairMistake::Period {
-            what,
-            coordinate,
-            period: periods[coordinate],
-            reach,
-        }));
+        return Err(PairMistake::Period { what, coordinate, period: periods[coordinate], reach });
     }
     let most = u32::MAX as usize;
-    if bodies > most { Err(Error::Pairs(PairMistake::TooMany { what, bodies, most })) } else { Ok(()) }
+    if bodies > most { Err(PairMistake::TooMany { what, bodies, most }) } else { Ok(()) }
 }
 
 impl<T: Real, L: Laws<T>, F: Laws<Fused<f64>>, B: Space<D>, const D: usize> Acting<T, D>

@@ -88,8 +88,7 @@ impl<F: ForceLaw<K>, const D: usize, const K: usize, const A: usize> Effect<D, B
     }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
-        self.check_members(what, bodies)?;
-        refuse_nan(what, self.potentials.iter().find_map(F::nan_parameter))
+        self.check_each(what, bodies, F::nan_parameter)
     }
 }
 

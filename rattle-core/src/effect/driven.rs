@@ -63,8 +63,7 @@ impl<P: DrivenPotential<K>, const D: usize, const K: usize, const A: usize> Effe
     }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
-        self.check_members(what, bodies)?;
-        refuse_nan(what, self.potentials.iter().find_map(P::nan_parameter))
+        self.check_each(what, bodies, P::nan_parameter)
     }
 }
 

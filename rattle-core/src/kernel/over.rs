@@ -1,6 +1,6 @@
 //! A function of several bodies, and the bodies on which each copy of it acts.
 
-use crate::error::{EffectMistake, Error, NetworkMistake};
+use crate::error::{EffectMistake, Error, NetworkMistake, refuse_nan};
 use std::any::type_name;
 
 /// A potential, or another function of A bodies, on chosen bodies. Each member is a list of A bodies; the variables of
@@ -40,11 +40,16 @@ impl<P, const A: usize> Over<P, A> {
     }
 
     /// Looks whether the members name bodies that there are, each once, and whether there are as many bodies as it is
-    /// made for.
+    /// made for; and whether a potential has a parameter that is NaN.
     ///
     /// # Errors
-    /// Which does not, of the effect called so; how many bodies it is for.
-    pub(crate) fn check_members(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
+    /// Which member does not, of the effect called so; how many bodies it is for; which parameter.
+    pub(crate) fn check_each(
+        &self,
+        what: &'static str,
+        bodies: usize,
+        nan_parameter: impl Fn(&P) -> Option<&'static str>,
+    ) -> Result<(), Error> {
         if let Some(listed) = self.bodies.filter(|&listed| listed != bodies) {
             return Err(Error::Effect { effect: what, mistake: EffectMistake::Count { listed, bodies } });
         }
@@ -58,7 +63,7 @@ impl<P, const A: usize> Over<P, A> {
                 return Err(Error::Network(NetworkMistake::Repeated { what, member, body }));
             }
         }
-        Ok(())
+        refuse_nan(what, self.potentials.iter().find_map(nan_parameter))
     }
 }
 

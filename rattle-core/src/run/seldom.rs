@@ -21,7 +21,7 @@ pub(in crate::run) fn seldom<Y: System<f64, D>, S: Method, const D: usize>(
     flows: bool,
 ) -> Result<(), Trouble> {
     let (seen, mut witness) = (view(method, system)?, Whoever(witness));
-    if const { Y::FLOWS > 0 && !S::STIRS } && flows {
+    if flows {
         stir::step(method, seen, system, bodies, memory, &mut witness)?;
     } else {
         method.step(seen, bodies, memory, &mut witness)?;

@@ -240,9 +240,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                     let (linked, from) = (&component.rows.bodies, bodies.q.as_ref());
                     // The way with constraints, and what forces alone would add: the sum of both is rounded.
                     let way = |&body: &usize| {
-                        let force = &stages.force[stage * n + body].components();
-                        let pushed = h * h * largest(&shape.roots[body].velocity(force));
-                        largest(&add_scaled(&q[body], -1.0, &from[body])).max(pushed)
+                        let pushed = shape.pushed(body, h, &stages.force[stage * n + body].components());
+                        largest(&add_scaled(&q[body], -1.0, &from[body])).max(largest(&pushed))
                     };
                     let size = linked.iter().map(way).fold(*size, f64::max);
                     for &body in linked {

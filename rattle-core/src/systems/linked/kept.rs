@@ -197,8 +197,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         for row in 0..rows.equations() {
             let terms = Terms::of(rows.touched_by(row).map(|(block, body)| {
                 let (q, v) = (&bodies.q.as_ref()[body], &room.velocity[body]);
-                let pushed = self.shape.roots[body].velocity(&force[body].components());
-                (&blocks[block], *q, from_fn(|i| larger((h * v[i]).abs(), (h * h * pushed[i]).abs())))
+                let pushed = self.shape.pushed(body, h, &force[body].components());
+                (&blocks[block], *q, from_fn(|i| larger((h * v[i]).abs(), pushed[i].abs())))
             }));
             let (g, length) = (room.g[row].abs(), terms.length());
             let (distance, size) = (if g == 0.0 { 0.0 } else { g / length }, terms.size(length));

@@ -198,8 +198,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     fn go_there(&self, h: f64, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> Result<(), Failure> {
         let (mut off, mut body) = (f64::NAN, 0);
         // Of the places, and of what forces alone would have moved bodies by.
-        let pushed = self.shape.roots.iter().zip(&now.kept.tied.force);
-        let pushed = most(pushed.map(|(root, force)| h * h * largest(&root.velocity(&force.components()))));
+        let forces = now.kept.tied.force.iter().enumerate();
+        let pushed =
+            most(forces.map(|(body, force)| largest(&self.shape.pushed(body, h, &force.components()))));
         let size = pushed.max(most(now.q.as_ref().iter().map(largest)));
         for parts in PARTS {
             let Some(there) = self.goes_along(h, parts, before, now) else { continue };

@@ -50,6 +50,12 @@ pub(crate) struct Component<const D: usize> {
 }
 
 impl<const D: usize> Shape<D> {
+    /// h² M⁻¹f: how far a force alone would move a body in a step of h, twice.
+    #[inline]
+    pub(crate) fn pushed(&self, body: usize, h: f64, force: &[f64; D]) -> [f64; D] {
+        self.roots[body].velocity(force).map(|a| h * h * a)
+    }
+
     /// g, ∂g/∂q without what is pinned, and ∂g/∂t of a component.
     pub(crate) fn gradients(
         &self,
