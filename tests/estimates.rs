@@ -1,13 +1,14 @@
 //! Errors of finished simulations, estimated: against exact motions, with contacts and edges, for staggered methods
 //! and steps of their own length.
 
-use rattle::Error;
-use rattle::effect::{Langevin, Stop};
+use rattle::effect::{Langevin, LinearDrag, Stop};
 use rattle::error::PriceMistake;
+use rattle::potentials::planar::Kepler;
 use rattle::potentials::{Gravity, Harmonic};
 use rattle::prelude::*;
 use rattle::price::Estimate;
 use rattle::surfaces::{Plane, Sphere, Torus};
+use rattle::{Error, Variable};
 
 constraint! {
     /// Two planes that meet in a ridge.
@@ -258,4 +259,44 @@ fn runs_that_cannot_be_compared_are_told() {
         error.starts_with("the comparison with steps of 0.05 failed: step 1 (t = 0.0), body 0:"),
         "{error}"
     );
+}
+
+/// With flows steps are of second order, whatever the method.
+#[test]
+fn few_steps_with_flows() {
+    let damping = 0.5_f64;
+    let scene =
+        Scene::point().with(Harmonic { stiffness: 1.0, centre: [0.0; 3] }).with(LinearDrag::new(damping));
+    fn check<M: Method>(
+        scene: &Scene<impl rattle::scene::Hold<3>, impl rattle::effect::Effects<3>, rattle::bodies::One, 3>,
+        method: M,
+        damping: f64,
+    ) {
+        let start = State::at([1.0, 0.0, 0.0]);
+        let mut run = scene.simulate(start.clone(), method).unwrap();
+        run.run(5).unwrap();
+        let (rate, t) = ((1.0 - 0.25 * damping * damping).sqrt(), run.time());
+        let exact = (-0.5 * damping * t).exp() * ((rate * t).cos() + 0.5 * damping / rate * (rate * t).sin());
+        let truth = (run.position().x - exact).abs();
+        within(1.05, &run.estimate_error(&start).unwrap(), truth, "few steps with drag");
+    }
+    check(&scene, Rattle::new(0.1), damping);
+    check(&scene, Lobatto::<5>::new(0.1), damping);
+}
+
+/// From a state on the way, near the centre of an orbit: the other runs keep to the rule of this one, which knows the
+/// speed at its start.
+#[test]
+fn variable_steps_from_a_state_on_the_way() {
+    let scene = Scene::point().with(Kepler { mu: 1.0, centre: [0.0; 2] });
+    let start = State::at([1.9, 0.0]).moving([0.0, (0.1_f64 / 1.9).sqrt()]);
+    let mut run = scene.simulate(start.clone(), Variable::of(Rattle::new(0.01), 1.0)).unwrap();
+    run.run_while(u64::MAX, |now| now.position().norm() > 0.15).unwrap();
+    let middle = run.state();
+    run.run_while(u64::MAX, |now| now.time() < middle.time() + 4.0).unwrap();
+    let steps = Taylor::adaptive(24, (run.time() - middle.time()) / 400.0, 1e-16);
+    let mut exact = scene.simulate(middle.clone(), steps).unwrap();
+    exact.run(400).unwrap();
+    let truth = (run.position() - exact.position()).norm();
+    within(1.5, &run.estimate_error(&middle).unwrap(), truth, "variable steps on the way");
 }

@@ -437,3 +437,19 @@ fn walls_before_an_edge_are_met() {
     let [(long, p), (short, q)] = &mut events;
     assert!(*long > 8 && long == short && (*p - *q).norm() < 1e-9, "{long} {short} {p} {q}");
 }
+
+/// What an impact loses is not found again where time runs back.
+#[test]
+fn impacts_that_lose_energy_have_no_way_back() {
+    let floor = rattle::surfaces::Plane { a: 0.0, b: 0.0, c: 1.0, d: 0.0 };
+    let ball = |restitution: f64| {
+        let scene = Scene::point().with(Gravity { g: 1.0 });
+        let back = scene.simulate(State::at([0.0, 0.0, 0.5]), Rattle::new(-0.01)).unwrap();
+        back.collide(Stop::above(floor).restitution(restitution))
+    };
+    let error = ball(0.5).unwrap_err();
+    assert!(matches!(error, Error::NoEvents { .. }) && error.to_string().contains("back in time"), "{error}");
+    let mut elastic = ball(1.0).unwrap();
+    elastic.run(100).unwrap();
+    assert_eq!(elastic.events(), 1);
+}

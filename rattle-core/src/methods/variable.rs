@@ -33,7 +33,7 @@ use crate::methods::rattle;
 use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::Newton;
-use crate::motion::method::{Method, Stage, View};
+use crate::motion::method::{Method, Splitting, Stage, View};
 use crate::motion::need::{Steps, WithRates};
 use crate::motion::parts::BodiesOf;
 use crate::motion::system::System;
@@ -103,6 +103,10 @@ impl<B: Method> Variable<B> {
         bodies: &mut BodiesOf<Y, T, D>,
     ) -> Result<(f64, f64), Failure> {
         let delta = PROBE * self.step_size().abs();
+        if const { !matches!(B::SPLITTING, Splitting::OneStage) } {
+            let (_, system, _) = all;
+            system.evaluate_forces(bodies); // a step that ends with a drift leaves those before it
+        }
         let mut probe = |delta: f64| {
             bodies.with_room(1, |bodies, before, rates| {
                 let (_, system, _) = all;
@@ -115,6 +119,26 @@ impl<B: Method> Variable<B> {
         };
         let (ahead, behind) = (probe(delta)?, probe(-delta)?);
         Ok(((ahead * behind).sqrt().sqrt(), (ahead / behind).ln() / (4.0 * delta)))
+    }
+
+    /// The memory at these bodies, for p₀² of a run or that of a start here.
+    fn begun<T: Scalar, Y: System<T, D>, const D: usize>(
+        &self,
+        all: View<'_, Self, T, Y, D>,
+        bodies: &BodiesOf<Y, T, D>,
+        of_run: Option<f64>,
+    ) -> Vec<T> {
+        let mut bodies = bodies.clone();
+        let mut rates = vec![[T::from_f64(0.0); D]; bodies.q.as_ref().len()];
+        let (_, system, _) = all;
+        system.evaluate_forces(&mut bodies);
+        let (change, size) = self.change(all, &mut bodies, &mut rates);
+        let scale = of_run.unwrap_or(REST * (size + change));
+        let wanted = (1.0 + change / (size + scale).max(f64::MIN_POSITIVE)).sqrt();
+        // Where not even a probe can be made the first step tells why.
+        let slope = self.density(scale, all, &mut bodies).map_or(0.0, |(_, slope)| slope);
+        // The last step, ρ, p₀², and G at the state.
+        [0.0, wanted, scale, slope].map(T::from_f64).into()
     }
 }
 
@@ -174,17 +198,16 @@ impl<B: Method> Method for Variable<B> {
         all: View<'_, Self, T, Y, D>,
         bodies: &BodiesOf<Y, T, D>,
     ) -> Vec<T> {
-        let mut bodies = bodies.clone();
-        let mut rates = vec![[T::from_f64(0.0); D]; bodies.q.as_ref().len()];
-        let (_, system, _) = all;
-        system.evaluate_forces(&mut bodies);
-        let (change, size) = self.change(all, &mut bodies, &mut rates);
-        let scale = REST * (size + change);
-        let wanted = (1.0 + change / (size + scale).max(f64::MIN_POSITIVE)).sqrt();
-        // Where not even a probe can be made the first step tells why.
-        let slope = self.density(scale, all, &mut bodies).map_or(0.0, |(_, slope)| slope);
-        // The last step, ρ, p₀², and G at the state.
-        [0.0, wanted, scale, slope].map(T::from_f64).into()
+        self.begun(all, bodies, None)
+    }
+
+    fn memory_within<T: Scalar, Y: System<T, D>, const D: usize>(
+        &self,
+        all: View<'_, Self, T, Y, D>,
+        bodies: &BodiesOf<Y, T, D>,
+        of_run: &[T],
+    ) -> Vec<T> {
+        self.begun(all, bodies, of_run.get(2).map(|scale| scale.to_f64()))
     }
 
     fn time_taken<T: Scalar>(&self, memory: &[T]) -> Option<T> {

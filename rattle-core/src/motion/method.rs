@@ -188,6 +188,16 @@ pub trait Method: Clone + Send + Sync + 'static {
         Self::Memory::default()
     }
 
+    /// The memory at these bodies in the midst of a run that has this one: what is one number for a whole run stays.
+    fn memory_within<T: Scalar, Y: System<T, D>, const D: usize>(
+        &self,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &BodiesOf<Y, T, D>,
+        _of_run: &[T],
+    ) -> Self::Memory<T> {
+        self.memory(system, bodies)
+    }
+
     /// The length of the last step, from this memory; `None` if all steps have the step size, so that the time is steps
     /// × h.
     fn time_taken<T: Scalar>(&self, _memory: &[T]) -> Option<T> {

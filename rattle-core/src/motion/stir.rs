@@ -56,6 +56,9 @@ pub(crate) fn feels<T: Scalar, Y: System<T, D>, const D: usize>(system: &Y) -> b
     (0..Y::FLOWS).any(|number| system.effects().manner(number).0.feels)
 }
 
+/// The order of steps with flows, unless that of the method is lower.
+pub(crate) const ORDER: u32 = 2;
+
 /// One step of the method; of a system with flows between two halves of them, unless the method has them act itself.
 #[inline(always)]
 pub(crate) fn step<S: Method, T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(

@@ -38,7 +38,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// # Errors
     /// [`Error::Overlap`] for bodies that overlap at the start, [`Error::Restitution`], [`Error::Diameter`] and
     /// [`Error::Network`] for contacts that make no sense, [`Error::NoEvents`] for staggered methods, methods with
-    /// steps of their own length, rigid bodies and phase space.
+    /// steps of their own length, rigid bodies and phase space, and for contacts that lose energy where the step size
+    /// is negative.
     #[doc(alias = "bounce")]
     #[doc(alias = "billiard")]
     #[doc(alias = "hard spheres")]
@@ -47,6 +48,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     pub fn collide(mut self, contacts: impl Contacts<D>) -> Result<Self, Error> {
         self.takes_events()?;
         contacts.check(self.bodies())?;
+        if self.step_size() < 0.0 && contacts.restitution() < 1.0 {
+            let why = "its steps lead back in time, where an impact of a restitution below 1 is not undone";
+            return Err(Error::NoEvents { who: self.method.name(), why });
+        }
         let mut alone = Search::among(self.bodies());
         let contacts: Arc<dyn Contacts<D>> = Arc::new(contacts);
         let search = &mut alone.meetings;

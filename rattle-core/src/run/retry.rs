@@ -64,7 +64,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         if around {
             stir(Half::Before, 0.5 * h, &self.system, &mut self.bodies)?;
         }
-        let mut memory = method.memory(system, &self.bodies);
+        let mut memory = method.memory_within(system, &self.bodies, self.memory.as_ref());
         let mut whole = None;
         for _ in 0..parts {
             seldom(&method, &self.system, &mut self.bodies, memory.as_mut(), witness, !around)?;
@@ -76,7 +76,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         if around {
             stir(Half::After, 0.5 * h, &self.system, &mut self.bodies)?;
         }
-        self.memory = self.method.memory(system, &self.bodies);
+        self.memory = self.method.memory_within(system, &self.bodies, self.memory.as_ref());
         Ok(check::<S, _, _, D>(whole.unwrap_or(h), &self.system, &self.before, &mut self.bodies)?)
     }
 }

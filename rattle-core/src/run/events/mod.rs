@@ -7,8 +7,9 @@
 //!
 //! Every try of an instant s is a step of the method from where the stretch began. An event is an [impact](impact) of a
 //! [contact](crate::effect::contact), or the passage over an [edge](edge). Parts of a step are mirror images when
-//! time runs back, so symmetric methods stay reversible. Each event changes the lengths of two steps: energy errors
-//! of the method then differ by their own size from stretch to stretch, and do no longer stay on one shadow.
+//! time runs back, so symmetric methods stay reversible, where impacts are elastic. Each event changes the lengths of
+//! two steps: energy errors of the method then differ by their own size from stretch to stretch, and do no longer stay
+//! on one shadow.
 //!
 //! There is no rest: where a restitution below 1, or a force against a closed contact, makes impacts without end, the
 //! step fails with [`StepFailure::Rests`](crate::error::StepFailure::Rests), after 1000 impacts for each body at

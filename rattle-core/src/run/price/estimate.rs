@@ -29,7 +29,7 @@ use crate::methods::able::view;
 use crate::motion::failure::Failure;
 use crate::motion::method::Method;
 use crate::motion::state::State;
-use crate::motion::stir::random;
+use crate::motion::stir::{self, random};
 use crate::motion::system::System;
 use crate::run::begin::bodies_at;
 use crate::run::price::clock::Clock;
@@ -173,7 +173,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     ) -> Result<(Estimate, Option<Self>), Error> {
         let h = 0.5 * self.step_size();
         let other = self.compared(start, method.with_step(h), 2 * steps)?;
-        let part = 1.0 - 0.5_f64.powf(f64::from(self.method.order().max(1)));
+        let order = self.method.order().min(if const { Y::FLOWS > 0 } { stir::ORDER } else { u32::MAX });
+        let part = 1.0 - 0.5_f64.powf(f64::from(order.max(1)));
         let position = (self.apart(&other) / part).max(self.rounding());
         let energy = (self.energy_at_once() - other.energy_at_once()).abs() / part;
         let estimate = Estimate { position, energy, order: None, steps: other.steps, seconds: 0.0 };
@@ -252,6 +253,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         }
         method.prepare(view(&method, &self.system)?, &mut bodies);
         let mut simulation = Self::new(self.system.clone(), bodies, start, method, self.first.trajectory)?;
+        if simulation.is_variable() && h != self.step_size() {
+            let Self { system, method, bodies, .. } = &simulation;
+            let memory = method.memory_within(view(method, system)?, bodies, self.memory.as_ref());
+            simulation.memory = memory;
+        }
         simulation.halving = self.halving;
         simulation.meet_what(self);
         Ok(simulation)

@@ -1,6 +1,7 @@
 //! Runs over the pilot interval, sampled at the times of the reference.
 
 use crate::error::Error;
+use crate::motion::stir;
 use crate::run::price::candidate::Candidate;
 use crate::run::price::clock::Clock;
 use crate::run::price::moving::{Movable, Moving, Rung};
@@ -105,6 +106,11 @@ impl Runner<'_> {
     /// Trajectories that a run of this method moves.
     pub(super) fn trajectories(&self, method: Candidate) -> usize {
         if method.is_in_lanes() { self.scene.trajectories() } else { 1 }
+    }
+
+    /// The order of a method in this scene.
+    pub(super) fn order(&self, method: Candidate) -> u32 {
+        if self.scene.flows() { method.order().min(stir::ORDER) } else { method.order() }
     }
 
     pub(super) fn left(&self) -> f64 {

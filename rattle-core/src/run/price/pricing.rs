@@ -374,7 +374,7 @@ fn climb(runner: &Runner<'_>, to_climb: &Climb<'_>, method: Candidate) -> (Vec<P
         match price(runner, pilot, reference, steps, rung) {
             Ok((price, took)) => {
                 seconds = took;
-                let row = follow(price, rows.last(), pilot, reference);
+                let row = follow(price, rows.last(), runner, pilot, reference);
                 let useless =
                     row.position.is_some_and(|error| error.is_nan() || error > USELESS * reference.way);
                 stuck = if row.rounding { stuck + 1 } else { 0 };
@@ -465,7 +465,13 @@ fn growth(errors: &[f64]) -> f64 {
 }
 
 /// The row with what the one before it tells: the order, and whether rounding decides.
-fn follow(mut row: Price, before: Option<&Price>, pilot: &Pilot, reference: &Reference) -> Price {
+fn follow(
+    mut row: Price,
+    before: Option<&Price>,
+    runner: &Runner<'_>,
+    pilot: &Pilot,
+    reference: &Reference,
+) -> Price {
     let Some(before) = before else { return row };
     let of = if pilot.told == pilot.looks as usize { Quantity::Position } else { Quantity::Energy };
     let (Some(long), Some(short)) = (before.error(of), row.error(of)) else { return row };
@@ -475,7 +481,7 @@ fn follow(mut row: Price, before: Option<&Price>, pilot: &Pilot, reference: &Ref
         row.order = Some(gained);
     }
     let size = reference.way.max(f64::MIN_POSITIVE);
-    let expected = if row.tolerance.is_some() { 1.0 } else { f64::from(row.method.order()) };
+    let expected = if row.tolerance.is_some() { 1.0 } else { f64::from(runner.order(row.method)) };
     let small = match of {
         Quantity::Position => short <= row.method.fine() * size,
         _ => short <= row.method.fine() * reference.path.kinetic.max(f64::MIN_POSITIVE),

@@ -333,7 +333,7 @@ fn verify(
             Some(least) => tolerance = (tolerance * (0.8 * wish / error)).max(least),
             None => {
                 // The rule that takes an average is of order 2.
-                let order = if what.is_average() { method.order().min(2) } else { method.order() };
+                let order = if what.is_average() { method.order().min(2) } else { runner.order(method) };
                 let more = (error / wish).powf(1.0 / f64::from(order));
                 let more = ((steps as f64 * more).ceil() as u64).max(steps + 1);
                 steps = pilot.at_instants(more).min(known.steps / looks);
