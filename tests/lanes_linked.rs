@@ -24,7 +24,7 @@ constraint! {
 }
 
 /// Places of a chain of rods of unit length, that hangs at these angles.
-fn chain<const D: usize>(links: usize, lean: f64) -> Vec<[f64; D]> {
+pub(crate) fn chain<const D: usize>(links: usize, lean: f64) -> Vec<[f64; D]> {
     let mut places = vec![[0.0; D]];
     for i in 0..links {
         let (angle, mut next) = (lean + 0.3 * i as f64, places[i]);
@@ -36,7 +36,7 @@ fn chain<const D: usize>(links: usize, lean: f64) -> Vec<[f64; D]> {
 }
 
 /// More than a row, in motion along the constraints.
-fn starts<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
+pub(crate) fn starts<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     scene: &Scene<C, E, N, D>,
     places: impl Fn(f64) -> Vec<[f64; D]>,
 ) -> Vec<State<D>> {

@@ -13,7 +13,7 @@ use rattle::scene::Hold;
 
 phase_constraint! {
     /// The three-sphere, whose fibres are those of Hopf.
-    struct Hopf { r }
+    pub(crate) struct Hopf { r }
     |q: [f64; 2], p: [f64; 2]| dot(q, q) + dot(p, p) - r^2
 }
 phase_constraint! {
@@ -28,7 +28,7 @@ phase_constraint! {
 }
 hamiltonian! {
     /// A charge in a magnetic field, that falls: not separable where b is not 0.
-    struct Charge { b, g }
+    pub(crate) struct Charge { b, g }
     |q: [f64; 2], p: [f64; 2]| ((p[0] + b * q[1])^2 + (p[1] - b * q[0])^2) / 2 + g * q[1]
 }
 hamiltonian! {
@@ -37,16 +37,16 @@ hamiltonian! {
     |q: [f64; 3], p: [f64; 3]| (p[0]^2 + 2 * p[1]^2 + p[2]^2 / 2) / 2 + g * q[2] + q[0]^2 * q[1] + q[2] * p[0] / 4
 }
 
-type OnSphere = Scene<PhaseSpace<Hopf, Charge, 1>, (), One, 2>;
+pub(crate) type OnSphere = Scene<PhaseSpace<Hopf, Charge, 1>, (), One, 2>;
 
 /// A charge on a sphere; it is another one for each i, but for those of numbers that 10 divides.
-fn charge(i: usize) -> OnSphere {
+pub(crate) fn charge(i: usize) -> OnSphere {
     let share = if wild(i) { 0.0 } else { (0.618 * i as f64).fract() };
     Scene::in_phase_space(Hopf { r: 1.0 + 0.1 * share }, Charge { b: 0.4 * share, g: 0.3 })
 }
 
 /// A start near start B of the references; those of numbers that 10 divides come to where N vanishes.
-fn start(scene: &OnSphere, i: usize) -> State<2> {
+pub(crate) fn start(scene: &OnSphere, i: usize) -> State<2> {
     let e = 1.0 + 3e-3 * i as f64;
     let place = if wild(i) {
         let (q, s) = ([0.3_f64, 0.4], 1.040_765_8_f64);

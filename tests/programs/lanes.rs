@@ -30,6 +30,8 @@ mod lanes_projected;
 mod lanes_projected_linked;
 #[path = "../lanes_projected_rigid.rs"]
 mod lanes_projected_rigid;
+#[path = "../lanes_reversal.rs"]
+mod lanes_reversal;
 #[path = "../lanes_rigid.rs"]
 mod lanes_rigid;
 #[path = "../lanes_splittings.rs"]

@@ -12,6 +12,7 @@ mod fingerprint;
 pub mod price;
 mod readings;
 mod retry;
+mod reversal;
 mod seldom;
 pub mod simulation;
 mod trouble;

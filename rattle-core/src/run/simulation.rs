@@ -2,20 +2,20 @@
 
 use crate::effect::noise::Noise;
 use crate::error::{Error, StepFailure};
-use crate::methods::able::{no_way_back, view};
+use crate::methods::able::view;
 use crate::methods::brownian;
 use crate::motion::bodies::{Bodies, Saved};
 use crate::motion::course::{check, kink_ahead};
 use crate::motion::failure::Failure;
 use crate::motion::identity::Identity;
-use crate::motion::method::{Method, check_tolerance};
+use crate::motion::method::Method;
 use crate::motion::state::{Remembered, State};
 use crate::motion::stir::{draws, step};
 use crate::motion::system::System;
 use crate::motion::witness::{Hears, Witness};
 use crate::number::clock::{later, steps_to};
 use crate::run::events::{Events, Stretch};
-use crate::run::seldom::seldom;
+use crate::run::reversal::Reversal;
 use crate::run::trouble::Trouble;
 use crate::run::watch::listening::{Held, Listening};
 use crate::run::watch::observer::Observer;
@@ -70,18 +70,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Halving<Y, S, D> {
     fn clone(&self) -> Self {
         *self
     }
-}
-
-/// What it takes to take a step back and go on as if it had not been.
-pub(super) struct Reversal<Y: System<f64, D>, S: Method, const D: usize> {
-    /// What takes a step in so many parts back: compiled for those who ask for it.
-    take: fn(&mut Simulation<Y, S, D>, u32) -> Result<(), Trouble>,
-    pub(super) tolerance: f64,
-    backwards: S,
-    after: Saved<Y::Count, f64, D>,
-    /// That of a method that has not made a step.
-    blank: S::Memory<f64>,
-    memory: S::Memory<f64>,
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
@@ -158,18 +146,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     #[doc(alias = "time reversal")]
     #[doc(alias = "reversibility")]
     pub fn check_reversal(mut self, tolerance: f64) -> Result<Self, Error> {
-        check_tolerance(Some(tolerance))?;
-        if !self.method.is_symmetric() {
-            let (what, method) = ("a check of reversal", self.method.name());
-            return Err(Error::NeedsSymmetricMethod { what, method });
-        }
-        no_way_back(&self.system)?;
-        let backwards = self.method.with_step(-self.method.step_size());
-        let memory = backwards.memory(view(&backwards, &self.system)?, &self.bodies);
-        let (after, blank) = (self.before.clone(), memory.clone());
-        self.reversal =
-            Some(Box::new(Reversal { take: Self::take_back, tolerance, backwards, after, blank, memory }));
-        self.goes_again = true;
+        self.reverse(tolerance)?;
         Ok(self)
     }
 
@@ -524,54 +501,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         }
     }
 
-    /// Takes the step just made, in so many parts, back, compares, and makes it again.
-    fn take_back(&mut self, parts: u32) -> Result<(), Trouble> {
-        let Some(reversal) = &mut self.reversal else { return Ok(()) };
-        self.system.put_aside(&self.bodies, &mut reversal.after);
-        reversal.memory.as_mut().copy_from_slice(reversal.blank.as_ref());
-        let memory = reversal.memory.as_mut();
-        let backwards = reversal.backwards.with_step(reversal.backwards.step_size() / f64::from(parts));
-        let bodies = &mut self.bodies;
-        let back =
-            (0..parts).try_for_each(|_| seldom(&backwards, &self.system, bodies, memory, &mut (), true));
-        let (mut worst, mut body, mut size) = (0.0, 0, 0.0_f64);
-        for i in 0..self.bodies.q.as_ref().len() {
-            let (was, is) = (self.before.body(i), self.bodies.body(i));
-            let off = larger(farthest(&was.q, &is.q), farthest(&was.p, &is.p));
-            size = size.max(farthest(&was.q, &[0.0; D])).max(farthest(&was.p, &[0.0; D]));
-            if off > worst || off.is_nan() {
-                (worst, body) = (off, i);
-            }
-        }
-        if back.is_ok() && worst <= reversal.tolerance * size {
-            self.system.put_back(&mut self.bodies, &reversal.after);
-            return Ok(());
-        }
-        let off = if back.is_ok() { worst / size } else { f64::NAN };
-        Err(Trouble::NotReversed { body, off, tolerance: reversal.tolerance })
-    }
-
     /// Everything as it was before the step under way.
     fn put_back(&mut self) {
         self.system.put_back(&mut self.bodies, &self.before);
         self.memory.as_mut().copy_from_slice(self.memory_before.as_ref());
-    }
-}
-
-/// The larger one; NaN if one is.
-fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a > b { a } else { b }
-}
-
-/// The largest difference of a coordinate; NaN if one is.
-fn farthest<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    a.iter().zip(b).fold(0.0, |most, (a, b)| larger((a - b).abs(), most))
-}
-
-impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Reversal<Y, S, D> {
-    fn clone(&self) -> Self {
-        let (after, blank, memory) = (self.after.clone(), self.blank.clone(), self.memory.clone());
-        Self { backwards: self.backwards.clone(), after, blank, memory, ..*self }
     }
 }
 

@@ -45,6 +45,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Group<D> for Alone<Y, S, D> {
         self.simulation.halve(halvings);
     }
 
+    fn check_reversal(&mut self, tolerance: f64) -> Result<(), Error> {
+        self.simulation.reverse(tolerance)
+    }
+
     fn state(&self, _: usize) -> State<D> {
         self.simulation.state()
     }

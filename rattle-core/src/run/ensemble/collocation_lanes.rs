@@ -96,6 +96,10 @@ where
         }
     }
 
+    fn backwards(&self) -> Option<Box<dyn Engine<D>>> {
+        Some(Box::new(Self::new(self.laws.clone(), self.table, -self.h, self.set)))
+    }
+
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
         vec![self.row.body(lane).map(S::to_f64)]
     }

@@ -138,6 +138,10 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
     fn divides(&self) -> bool {
         true
     }
+    /// An engine of the same laws in steps of −h, no lane of which is set; none where the method is not symmetric.
+    fn backwards(&self) -> Option<Box<dyn Engine<D>>> {
+        None
+    }
     /// Says of which trajectory a lane draws the random numbers, and where and when that starts.
     fn draw_as(&mut self, _lane: usize, _draws: Draws) {}
     /// The work of flows on a lane since the start, which is copied with it; none where there are no flows.

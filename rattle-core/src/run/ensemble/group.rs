@@ -13,6 +13,11 @@ pub(crate) trait Group<const D: usize>: Watched<D> + Send + Sync {
     fn run(&mut self, steps: u64, onlooker: Option<&mut Onlooker<'_, D>>);
     /// From now on a step that fails is repeated in 2, 4, … 2^`halvings` parts.
     fn retry(&mut self, halvings: u32);
+    /// From now on every step is taken back and compared, which has a way back.
+    ///
+    /// # Errors
+    /// Those of a simulation.
+    fn check_reversal(&mut self, tolerance: f64) -> Result<(), Error>;
     /// The state of one trajectory.
     fn state(&self, trajectory: usize) -> State<D>;
     /// The work done on the bodies of one trajectory since the start.

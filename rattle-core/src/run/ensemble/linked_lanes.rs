@@ -358,6 +358,11 @@ where
         }
     }
 
+    fn backwards(&self) -> Option<Box<dyn Engine<D>>> {
+        let method = self.common.method.backwards(const { F::FLOWS > 0 })?;
+        Some(Box::new(Self::new((self.common.plan.clone(), (*self.obeyed).clone()), method)))
+    }
+
     fn draw_as(&mut self, lane: usize, draws: Draws) {
         if self.obeyed.stirring.is_some()
             && let Some(stirring) = &mut Arc::make_mut(&mut self.obeyed).stirring

@@ -109,6 +109,7 @@ mod rigid_row;
 mod rigid_stirring;
 mod row;
 mod side_by_side;
+mod side_by_side_record;
 mod splitting_lanes;
 mod stages;
 mod stirred;
@@ -118,6 +119,7 @@ mod taylor_lanes;
 pub mod trajectories;
 mod until;
 mod watching;
+mod way_back;
 
 use crate::number::lanes::Fused;
 use crate::number::vectors::LANES;

@@ -13,7 +13,7 @@ use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::lane_record::InRows;
 use crate::run::ensemble::phase_row::{Laws, ROW, Row, Swept};
 use crate::run::ensemble::phase_step::{Scratch, step};
-use crate::run::ensemble::splitting_lanes::{by_itself, hallmark};
+use crate::run::ensemble::splitting_lanes::{backwards, by_itself, hallmark};
 use crate::run::fingerprint::{Looks, of_lane};
 use crate::solve::aim::Pace;
 use crate::systems::phase::InPhaseSpace;
@@ -137,6 +137,12 @@ where
         if let Some(Self { system, laws, .. }) = (engine as &dyn Any).downcast_ref() {
             (self.system, self.laws) = (*system, laws.clone());
         }
+    }
+
+    fn backwards(&self) -> Option<Box<dyn Engine<D>>> {
+        let bodies = vec![Row::new(); self.bodies.len()];
+        let (stages, pace, h) = (backwards(&self.stages).into(), Pace::unknown(), -self.h);
+        Some(Box::new(Self { bodies, stages, pace, h, ..self.clone() }))
     }
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {

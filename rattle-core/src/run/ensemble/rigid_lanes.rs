@@ -221,6 +221,11 @@ where
         }
     }
 
+    fn backwards(&self) -> Option<Box<dyn Engine<D>>> {
+        let method = self.method.backwards(const { Y::FLOWS > 0 })?;
+        Some(Box::new(Self::new(self.laws.clone(), self.bodies.len(), Arc::new(method))))
+    }
+
     fn draw_as(&mut self, lane: usize, draws: Draws) {
         if let Some(stirring) = &mut self.stirring {
             stirring.rhythm.draw_as(lane, draws);

@@ -1,9 +1,9 @@
 //! A group of trajectories in lanes: failures, replacements of failed lanes, and observations.
 
-use crate::error::{Error, RecordMistake};
+use crate::error::Error;
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
-use crate::motion::record::{Hallmark, Reading, Record};
+use crate::motion::record::{Reading, Record};
 use crate::motion::state::State;
 use crate::number::clock::{after_steps, passed};
 use crate::number::vectors::LANES;
@@ -11,7 +11,7 @@ use crate::run::bill::{Bill, Item, time};
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour, Written};
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
-use crate::run::fingerprint::{Looks, allowing};
+use crate::run::ensemble::way_back::WayBack;
 use crate::run::simulation::MOST_HALVINGS;
 use crate::run::watch::seen::Page;
 use crate::run::watch::sight::Source;
@@ -31,28 +31,30 @@ const CROWDED: u64 = 16 * STRETCH;
 const BILLED: u32 = 256;
 
 /// Trajectories in the lanes of an engine.
-struct SideBySide<const D: usize> {
-    engine: Box<dyn Engine<D>>,
+pub(super) struct SideBySide<const D: usize> {
+    pub(super) engine: Box<dyn Engine<D>>,
     /// An engine whose lanes obey what they did at first: once trajectories have ended, their lanes obey what others
     /// do.
-    at_first: Option<Box<dyn Engine<D>>>,
-    h: f64,
-    steps: u64,
+    pub(super) at_first: Option<Box<dyn Engine<D>>>,
+    pub(super) h: f64,
+    pub(super) steps: u64,
     /// Times of the starts, and what rounding took from them.
-    start_time: Vec<(f64, f64)>,
+    pub(super) start_time: Vec<(f64, f64)>,
     /// By lane: where in the random numbers a trajectory starts.
-    draws: [Draws; LANES],
+    pub(super) draws: [Draws; LANES],
     /// By lane: whether a trajectory moves in it, else the lane that it is a copy of.
-    moving: [bool; LANES],
-    copy_of: [usize; LANES],
-    ended: Vec<Ended<D>>,
+    pub(super) moving: [bool; LANES],
+    pub(super) copy_of: [usize; LANES],
+    pub(super) ended: Vec<Ended<D>>,
     /// By lane: whether it goes by itself, since other sheets are near or the lane cannot hold it, and where it is
     /// then; and when that ends.
-    crowded: [bool; LANES],
-    own: Vec<(usize, Vec<Body<f64, D>>)>,
-    crowded_until: u64,
+    pub(super) crowded: [bool; LANES],
+    pub(super) own: Vec<(usize, Vec<Body<f64, D>>)>,
+    pub(super) crowded_until: u64,
     /// How often a step that cannot be taken is halved.
-    halvings: u32,
+    pub(super) halvings: u32,
+    /// If every step is to be taken back and compared.
+    pub(super) way_back: Option<WayBack<D>>,
 }
 
 /// The trajectories that start so in the lanes of an engine, the first of which has this number; as many of them as
@@ -68,12 +70,12 @@ pub(super) fn side_by_side<const D: usize>(
 
 /// A trajectory that goes on no more.
 #[derive(Clone)]
-struct Ended<const D: usize> {
-    lane: usize,
-    steps: u64,
-    bodies: Vec<Body<f64, D>>,
-    work: f64,
-    failure: Error,
+pub(super) struct Ended<const D: usize> {
+    pub(super) lane: usize,
+    pub(super) steps: u64,
+    pub(super) bodies: Vec<Body<f64, D>>,
+    pub(super) work: f64,
+    pub(super) failure: Error,
 }
 
 impl<const D: usize> Clone for SideBySide<D> {
@@ -84,6 +86,7 @@ impl<const D: usize> Clone for SideBySide<D> {
             start_time: self.start_time.clone(),
             ended: self.ended.clone(),
             own: self.own.clone(),
+            way_back: self.way_back.clone(),
             ..*self
         }
     }
@@ -115,6 +118,7 @@ impl<const D: usize> SideBySide<D> {
             own: Vec::new(),
             crowded_until: 1,
             halvings: 0,
+            way_back: None,
         };
         for (lane, start) in starts.iter().enumerate().take(number) {
             group.engine.draw_as(lane, group.draws[lane]);
@@ -141,6 +145,7 @@ impl<const D: usize> SideBySide<D> {
     fn put_copy(&mut self, from: usize, to: usize) {
         self.engine.copy(from, to);
         self.engine.obey(from, to);
+        self.way_back.iter_mut().for_each(WayBack::forget);
     }
 
     /// Has all go side by side again that lanes have a place for.
@@ -152,7 +157,7 @@ impl<const D: usize> SideBySide<D> {
     }
 
     /// Takes so many steps, or none if a lane fails on the way; but what was shown on the way was shown. `shown` says
-    /// that the end will be.
+    /// that the end will be. Where steps are taken back, it is a single one.
     fn attempt(
         &mut self,
         steps: u64,
@@ -165,13 +170,14 @@ impl<const D: usize> SideBySide<D> {
         if let (Err(_), Some(onlooker)) = (&gone, onlooker) {
             onlooker.forget();
         }
-        self.engine = gone?;
-        self.steps = end;
+        let gone = gone?;
+        self.look_back(&*gone)?;
+        (self.engine, self.steps) = (gone, end);
         Ok(())
     }
 
     /// Where a trajectory is.
-    fn bodies_in(&self, lane: usize) -> Vec<Body<f64, D>> {
+    pub(super) fn bodies_in(&self, lane: usize) -> Vec<Body<f64, D>> {
         let own = self.own.iter().find(|own| own.0 == lane);
         own.map_or_else(|| self.engine.bodies(lane), |own| own.1.clone())
     }
@@ -195,7 +201,8 @@ impl<const D: usize> SideBySide<D> {
         let end = self.steps + steps;
         while self.steps < end {
             let next = onlooker.as_ref().map(|onlooker| onlooker.next);
-            let leg = (LEG - self.steps % LEG).min(next.map_or(end, |next| next.min(end)) - self.steps);
+            let most = if self.way_back.is_some() { 1 } else { LEG };
+            let leg = (most - self.steps % most).min(next.map_or(end, |next| next.min(end)) - self.steps);
             let shown = |after: u64| next == Some(after);
             if !self.leg(leg, shown(self.steps + leg)) {
                 for _ in 0..leg {
@@ -215,6 +222,12 @@ impl<const D: usize> SideBySide<D> {
     /// near, or, if it is a single step, in parts. False, and as if none were taken, where one of several cannot.
     /// `shown` says that the end will be.
     fn leg(&mut self, steps: u64, shown: bool) -> bool {
+        if self.way_back.is_some()
+            && !self.crowded.contains(&true)
+            && self.attempt(steps, shown, None).is_ok()
+        {
+            return true;
+        }
         let before = (self.engine.boxed(), self.copy_of);
         let (now, end, mut together) = (self.steps, self.steps + steps, self.moving);
         let (mut apart, mut fails) = (Vec::new(), false);
@@ -247,10 +260,12 @@ impl<const D: usize> SideBySide<D> {
         }
         if fails {
             (self.engine, self.copy_of, self.steps) = (before.0, before.1, now);
+            self.way_back.iter_mut().for_each(WayBack::forget);
             return false;
         }
         if !apart.is_empty() {
             self.engine.obey_as_in(&*before.0);
+            self.way_back.iter_mut().for_each(WayBack::forget);
             for (lane, (bodies, work)) in apart {
                 self.set(lane, &bodies);
                 self.engine.book(lane, work);
@@ -291,27 +306,24 @@ impl<const D: usize> SideBySide<D> {
             return Err(Error::Step { step, time, body: *body, cause: cause.clone() });
         }
         let (bodies, mut place) = (self.bodies_in(lane), 0);
-        let mut moved =
-            |parts: u32| self.engine.by_itself(lane, &bodies, self.steps, steps, parts, &mut place);
+        let mut moved = |parts: u32| {
+            let moved = self.engine.by_itself(lane, &bodies, self.steps, steps, parts, &mut place)?;
+            self.come_back(lane, &bodies, moved, parts)
+        };
         // Flows that act in parts of a step draw what comes after that of the whole step. Of momenta that are drawn it
         // is said by itself why they lead nowhere.
         let failure = failure.filter(|_| self.engine.work(lane).is_none() && self.engine.divides());
-        let mut failure = match failure.map_or_else(|| moved(1), Err) {
+        let mut trouble = match failure.map_or_else(|| moved(1), |failure| Err(failure.into())) {
             Ok(moved) => return Ok(moved),
-            Err(failure) => failure,
+            Err(trouble) => trouble,
         };
         for halved in 1..=if steps == 1 { self.halvings } else { 0 } {
             match moved(1 << halved) {
                 Ok(moved) => return Ok(moved),
-                Err(again) => failure = again,
+                Err(again) => trouble = again,
             }
         }
-        let (step, time, halvings) = (self.steps + 1, self.time(lane).0, self.halvings);
-        let Failure { body, cause } = failure;
-        Err(match halvings {
-            0 => Error::Step { step, time, body, cause },
-            _ => Error::Retried { step, time, body, halvings, cause },
-        })
+        Err(trouble.told(self.steps + 1, self.time(lane).0, self.halvings))
     }
 
     /// The time of a trajectory, and what rounding took from it.
@@ -324,44 +336,9 @@ impl<const D: usize> SideBySide<D> {
         self.ended(lane).map_or(self.steps, |ended| ended.steps)
     }
 
-    /// What tells this group from another, of the lanes that no other stands in for; asked where they are, or at
-    /// places that are rounded otherwise.
-    fn hallmarks(&self, rounded: bool) -> Vec<Hallmark> {
-        let mut marks: Vec<Hallmark> = Vec::new();
-        for lane in (0..self.engine.width()).filter(|&lane| self.moving[lane] && self.copy_of[lane] == lane) {
-            let looks = Looks::in_lanes(self.bodies_in(lane));
-            let own = self.engine.hallmarks(lane, &if rounded { looks.rounded() } else { looks });
-            if marks.is_empty() {
-                marks = own;
-            } else {
-                marks.iter_mut().zip(own).for_each(|(all, own)| all.extend(own));
-            }
-        }
-        // First: what flows do, and where lanes are, is of its steps.
-        marks.insert(0, self.engine.method());
-        marks
-    }
-
     fn ended(&self, lane: usize) -> Option<&Ended<D>> {
         self.ended.iter().find(|ended| ended.lane == lane)
     }
-}
-
-/// What a checkpoint calls such a group.
-const IN_LANES: &str = "trajectories in lanes";
-
-/// A body as vectors.
-fn numbers<const D: usize>(body: &Body<f64, D>) -> [[f64; D]; 4] {
-    [body.q, body.q_low, body.p, body.p_low]
-}
-
-/// And back, so many of each trajectory.
-fn bodies<const D: usize>(numbers: &[[f64; D]], number: usize) -> Vec<Vec<Body<f64, D>>> {
-    let body = |&[q, q_low, p, p_low]: &[[f64; D]; 4]| Body { q, q_low, p, p_low };
-    numbers
-        .chunks((4 * number).max(1))
-        .map(|of_each| of_each.as_chunks().0.iter().map(body).collect())
-        .collect()
 }
 
 /// Some steps, with stops where an onlooker wants to see.
@@ -420,8 +397,8 @@ impl<const D: usize> Group<D> for SideBySide<D> {
                 self.crowded_until = self.steps / CROWDED + 1;
                 self.disperse();
             }
-            if self.crowded.contains(&true) || self.attempt(stretch, false, onlooker.as_deref_mut()).is_err()
-            {
+            let whole = self.way_back.is_none() && !self.crowded.contains(&true);
+            if !whole || self.attempt(stretch, false, onlooker.as_deref_mut()).is_err() {
                 self.go_on(stretch, onlooker.as_deref_mut());
             }
         }
@@ -443,105 +420,16 @@ impl<const D: usize> Group<D> for SideBySide<D> {
     }
 
     fn record(&self, to: &mut Record) {
-        let (times, lanes): (Vec<_>, _) =
-            (self.start_time.iter().map(|&(t, low)| [t, low]).collect(), self.engine.width());
-        to.text("what", IN_LANES);
-        to.vectors("times of the starts", &times);
-        to.counts("trajectories", self.draws.map(|of| of.trajectory));
-        to.counts("numbered", self.draws.map(|of| u64::from(of.numbered)));
-        to.counts("steps before the starts", self.draws.map(|of| of.steps));
-        to.counts("steps", [self.steps]);
-        to.counts("moving", self.moving.map(u64::from));
-        to.counts("copy of", self.copy_of.map(|lane| lane as u64));
-        to.counts("crowded", self.crowded.map(u64::from));
-        to.counts("crowded until", [self.crowded_until]);
-        to.counts("halvings", [u64::from(self.halvings)]);
-        to.counts("by themselves", self.own.iter().map(|own| own.0 as u64));
-        let own = self.own.iter().flat_map(|(_, bodies)| bodies).flat_map(numbers).collect::<Vec<_>>();
-        to.vectors("where these are", &own);
-        to.counts("ended", self.ended.iter().flat_map(|ended| [ended.lane as u64, ended.steps]));
-        let ended = self.ended.iter().flat_map(|ended| &ended.bodies).flat_map(numbers).collect::<Vec<_>>();
-        to.vectors("where these rest", &ended);
-        if self.engine.work(0).is_some() {
-            to.list("the work on these", &self.ended.iter().map(|ended| ended.work).collect::<Vec<_>>());
-        }
-        for ended in &self.ended {
-            to.text("failure", &ended.failure.to_string());
-        }
-        to.within(&format!("{lanes} lanes"), |to| self.engine.record(to));
-        to.within("run", |to| self.hallmarks(false).iter().for_each(|mark| mark.write(to)));
+        self.write_record(to);
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Group<D>>, Error> {
-        from.expect(IN_LANES)?;
-        let times = from.vectors::<2>("times of the starts", self.start_time.len())?;
-        let trajectories = from.counted::<LANES>("trajectories")?;
-        let numbered = from.counted::<LANES>("numbered")?;
-        let before = from.counted::<LANES>("steps before the starts")?;
-        let draws = from_fn(|lane| Draws {
-            trajectory: trajectories[lane],
-            numbered: numbered[lane] != 0,
-            steps: before[lane],
-            time: times.get(lane).or(times.first()).map_or((0.0, 0.0), |&[time, low]| (time, low)),
-        });
-        let [steps] = from.counted("steps")?;
-        let moving = from.counted("moving")?.map(|moves| moves != 0);
-        let lane = |lane: u64| (lane as usize).min(self.engine.width() - 1);
-        let copy_of = from.counted("copy of")?.map(lane);
-        let crowded = from.counted("crowded")?.map(|crowded| crowded != 0);
-        let [crowded_until] = from.counted("crowded until")?;
-        let [halvings] = from.counted("halvings")?;
-        let option = |halvings: u64| if halvings == 0 { "none".into() } else { format!("retry({halvings})") };
-        if halvings != u64::from(self.halvings) {
-            let [file, here] = [halvings, self.halvings.into()].map(option);
-            return Err(Error::Record(RecordMistake::Another { part: "options".into(), file, here }));
-        }
-        let apart = from.counts("by themselves")?;
-        let n = self.engine.bodies_of_each();
-        let places = from.vectors::<D>("where these are", 4 * n * apart.len())?;
-        let own = apart.iter().zip(bodies(places, n)).map(|(&own, of)| (lane(own), of)).collect();
-        let ends = from.counts("ended")?.as_chunks().0;
-        let places = from.vectors::<D>("where these rest", 4 * n * ends.len())?;
-        let works = if self.engine.work(0).is_some() {
-            from.numbers("the work on these", &[ends.len()])?.to_vec()
-        } else {
-            vec![0.0; ends.len()]
-        };
-        let mut ended = Vec::new();
-        for ((&[own, steps], bodies), work) in ends.iter().zip(bodies(places, n)).zip(works) {
-            let failure = Error::Before(from.text("failure")?.into());
-            ended.push(Ended { lane: lane(own), steps, bodies, work, failure });
-        }
-        let lanes = format!("{} lanes", self.engine.width());
-        let at_first = self.at_first.as_ref().unwrap_or(&self.engine);
-        let mut engine = from.within(&lanes, |from| at_first.recalled(from))?;
-        for (lane, &draws) in draws.iter().enumerate().take(engine.width()) {
-            engine.draw_as(lane, draws);
-        }
-        let at_first = (!ended.is_empty()).then(|| engine.boxed());
-        for (to, &from) in
-            copy_of.iter().enumerate().take(self.engine.width()).filter(|&(to, &from)| to != from)
-        {
-            engine.obey(from, to);
-        }
-        let again = Self {
-            engine,
-            at_first,
-            h: self.h,
-            steps,
-            start_time: times.iter().map(|&[time, low]| (time, low)).collect(),
-            draws,
-            moving,
-            copy_of,
-            ended,
-            crowded,
-            own,
-            crowded_until,
-            halvings: self.halvings,
-        };
-        let marks = allowing(again.hallmarks(false), &again.hallmarks(true));
-        from.within("run", |from| from.same(&marks))?;
-        Ok(Box::new(again))
+        Ok(Box::new(self.read_record(from)?))
+    }
+
+    fn check_reversal(&mut self, tolerance: f64) -> Result<(), Error> {
+        self.way_back = Some(WayBack::new(tolerance));
+        Ok(())
     }
 
     fn failure(&self, trajectory: usize) -> Option<&Error> {

@@ -140,6 +140,11 @@ where
         }
     }
 
+    fn backwards(&self) -> Option<Box<dyn Engine<D>>> {
+        let after = self.stirring.as_ref().map_or(0, |stirring| stirring.rhythm.after);
+        Some(Box::new(Self::new(self.laws.clone(), &backwards(&self.stages), after, -self.h, self.set)))
+    }
+
     fn draw_as(&mut self, lane: usize, draws: Draws) {
         if const { X::Forces::FLOWS > 0 }
             && let Some(stirring) = &mut self.stirring
@@ -274,9 +279,23 @@ impl Splits {
         Self { parts, stirred_kick: self.stages[0].before, ..self }
     }
 
+    /// The same in steps of −h, where flows act or do not; none where the method draws momenta.
+    pub(super) fn backwards(&self, flows: bool) -> Option<Self> {
+        let Self { ref stages, h, equal, sums, set, stirs_after, renewal, .. } = *self;
+        let back = Self::new(&backwards(stages), -h, equal, sums, set);
+        let back = if flows { back.stirred(stirs_after) } else { back };
+        renewal.is_none().then_some(back)
+    }
+
     pub(super) fn hallmark(&self) -> Hallmark {
         self.renewal.map_or_else(|| hallmark(&self.stages), |renewal| of_renewal(renewal, self.h))
     }
+}
+
+/// These stages, each of them backwards: those of a step of −h, since the method is symmetric.
+pub(super) fn backwards(stages: &[Stage]) -> Vec<Stage> {
+    let back = |&Stage { before, h, after }: &Stage| Stage { before: -before, h: -h, after: -after };
+    stages.iter().map(back).collect()
 }
 
 /// What tells a splitting from others.
