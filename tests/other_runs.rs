@@ -2,6 +2,7 @@
 //! origin it is; what differs by rounding alone is taken, and so are files that were written before so much was told.
 
 use rattle::checkpoint::{Checkpoint, Data, Record, encode};
+use rattle::effect::{Langevin, LinearDrag};
 use rattle::links::planar::Rod;
 use rattle::potentials::planar::{Spring, gravitation};
 use rattle::prelude::*;
@@ -253,4 +254,62 @@ fn retry_is_told_in_lanes() {
     };
     refused(&begin, [0.0, 6.0], "options");
     refused(&begin, [4.0, 6.0], "options");
+}
+
+/// Splittings of the same stages, of which one has flows in the middle of its steps and one around them.
+#[test]
+fn when_flows_act_is_a_part_of_the_method() {
+    let heat = || Langevin { friction: 0.5, temperature: 0.2, seed: 3 };
+    let other = |a: &mut dyn Checkpoint, b: &mut dyn Checkpoint| {
+        a.take_steps(3).unwrap();
+        b.take_steps(3).unwrap();
+        let told = b.resume(&a.checkpoint()).unwrap_err().to_string();
+        assert!(told.contains("another run (method)"), "{told}");
+        a.resume(&a.checkpoint()).unwrap();
+    };
+    let rods = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]).with(heat());
+    let line = || vec![State::of([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]); 3];
+    let mut around = rods.ensemble(line(), Geodesic::new(2, 0.01)).unwrap();
+    let mut middle = rods.ensemble(line(), Baoab::new(0.01)).unwrap();
+    assert_eq!((around.plan().in_lanes, middle.plan().in_lanes), (3, 3));
+    other(&mut around, &mut middle);
+    other(&mut middle, &mut around);
+    let ball = Scene::on(Sphere { r: 1.0 }).with(LinearDrag::new(0.3));
+    let start = || vec![State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]); 3];
+    let mut around = ball.ensemble(start(), Geodesic::new(2, 0.01)).unwrap();
+    let mut middle = ball.ensemble(start(), Baoab::new(0.01)).unwrap();
+    other(&mut around, &mut middle);
+    other(&mut middle, &mut around);
+}
+
+/// Records are made by hand, too: lists that are shorter or longer than their shapes are refused, one by one.
+#[test]
+fn lists_have_the_lengths_that_they_name() {
+    let refused = |run: &mut dyn Checkpoint| {
+        run.take_steps(3).unwrap();
+        let (fields, before) = (run.checkpoint().fields().to_vec(), encode(&run.checkpoint()));
+        for (i, longer) in (0..fields.len()).flat_map(|i| [(i, false), (i, true)]) {
+            let mut fields = fields.clone();
+            match &mut fields[i].data {
+                Data::Numbers(list) if longer => list.push(0.0),
+                Data::Numbers(list) if !list.is_empty() => drop(list.pop()),
+                Data::Counts(list) if longer => list.push(0),
+                Data::Counts(list) if !list.is_empty() => drop(list.pop()),
+                _ => continue,
+            }
+            let name = fields[i].name.clone();
+            assert!(run.resume(&Record::of(fields)).is_err(), "{name}, longer: {longer}");
+            assert!(encode(&run.checkpoint()) == before, "{name}");
+        }
+    };
+    let start = || State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+    let ball = Scene::on(Sphere { r: 1.0 }).with(Langevin { friction: 0.5, temperature: 0.2, seed: 3 });
+    refused(&mut ball.simulate(start(), Rattle::new(0.01).guess(LastMultiplier)).unwrap());
+    refused(&mut ball.ensemble(vec![start(); 3], Rattle::new(0.01)).unwrap());
+    let free = Scene::on(Sphere { r: 1.0 });
+    refused(&mut free.ensemble(vec![start(); 3], NoseHoover::new(1.0, 0.5, 0.01)).unwrap());
+    let rods = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]);
+    let line = || State::of([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]);
+    refused(&mut rods.simulate(line(), Rattle::new(0.01)).unwrap());
+    refused(&mut rods.ensemble(vec![line(); 3], Rattle::new(0.01)).unwrap());
 }

@@ -383,6 +383,25 @@ fn trajectories_of_several_sizes_are_not_joined() {
     of_two_sizes().observe(2, 1, Trajectory::new);
 }
 
+/// Multipliers have a row for each row of places, in trajectories that were joined, too: NaN where none were heard.
+#[test]
+fn joined_trajectories_have_multipliers_of_one_shape() {
+    let scene = Scene::on(rattle::surfaces::Sphere { r: 1.0 });
+    let start = || State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+    let mut run = scene.simulate(start(), Rattle::new(0.01)).unwrap();
+    let mut path = Trajectory::with_multipliers(&run);
+    run.observe(3, 1, &mut path).unwrap();
+    let mut others = [Trajectory::new(), Trajectory::with_multipliers(&run)];
+    for other in &mut others {
+        run.observe(2, 1, other).unwrap();
+    }
+    let heard = others[1].multipliers().unwrap().clone();
+    others.into_iter().for_each(|other| Observer::<3>::join(&mut path, other));
+    let (rows, lambda) = (path.times().len(), &path.multipliers().unwrap().position);
+    assert_eq!((rows, lambda.len()), (10, 10));
+    assert!(lambda[4..7].iter().all(|x| x.is_nan()) && lambda[7..] == heard.position);
+}
+
 /// Takes so many blocks, and keeps their steps.
 struct Blocks(usize, Arc<Mutex<Vec<u64>>>);
 

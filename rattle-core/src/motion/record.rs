@@ -65,7 +65,14 @@ pub struct Field {
 
 impl Field {
     fn described(&self) -> String {
-        format!("`{}`, {} of shape {:?}", self.name, self.data.kind(), self.shape)
+        let Self { name, shape, data } = self;
+        let with = if self.is_whole() { String::new() } else { format!(" with {} entries", data.len()) };
+        format!("`{name}`, {} of shape {shape:?}{with}", data.kind())
+    }
+
+    /// Whether there are as many entries as the shape says.
+    fn is_whole(&self) -> bool {
+        self.shape.iter().try_fold(1_usize, |all, &n| all.checked_mul(n)) == Some(self.data.len())
     }
 }
 
@@ -295,7 +302,9 @@ impl<'a> Reading<'a> {
 
     fn next(&mut self, name: &str, wanted: impl Fn() -> String) -> Result<&'a Field, Error> {
         match self.rest.split_first() {
-            Some((field, rest)) if field.name.strip_prefix(&self.within) == Some(name) => {
+            Some((field, rest))
+                if field.name.strip_prefix(&self.within) == Some(name) && field.is_whole() =>
+            {
                 self.rest = rest;
                 Ok(field)
             }

@@ -184,7 +184,7 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        hallmark(&self.stages)
+        hallmark(&self.stages, 0)
     }
 }
 

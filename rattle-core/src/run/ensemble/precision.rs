@@ -23,7 +23,10 @@ pub struct Compensated;
 /// rigid bodies, and trajectories that do not go in lanes, are computed in double precision.
 ///
 /// Where places and momenta keep close to one size, as on a unit sphere, their rounding has a bias: energies drift
-/// there by some 5e-9 of themselves in a step, so by 0.5 % in a million steps.
+/// there by some 5e-9 of themselves in a step, so by 0.5 % in a million steps. Each step adds h v to a place and rounds
+/// the sum, by up to 6e-8 of the place. Shorter steps are therefore less exact: where the direction stays the same, the
+/// way is wrong by up to 6e-8 |q|/(h |v|) of itself. For |q| = |v| = 1 and h = 1e-5 that is 0.6 %, and where h |v| is
+/// less than 3e-8 |q| nothing moves. ([`Double`] has the same far from the origin: 1e-16 |q|/(h |v|).)
 #[doc(alias = "f32")]
 #[doc(alias = "float")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -232,7 +232,7 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        hallmark(&self.stages)
+        hallmark(&self.stages, self.stirring.as_ref().map_or(0, |stirring| stirring.rhythm.after))
     }
 }
 
@@ -288,7 +288,8 @@ impl Splits {
     }
 
     pub(super) fn hallmark(&self) -> Hallmark {
-        self.renewal.map_or_else(|| hallmark(&self.stages), |renewal| of_renewal(renewal, self.h))
+        self.renewal
+            .map_or_else(|| hallmark(&self.stages, self.stirs_after), |renewal| of_renewal(renewal, self.h))
     }
 }
 
@@ -298,9 +299,11 @@ pub(super) fn backwards(stages: &[Stage]) -> Vec<Stage> {
     stages.iter().map(back).collect()
 }
 
-/// What tells a splitting from others.
-pub(super) fn hallmark(stages: &[Stage]) -> Hallmark {
-    Hallmark::of_parameters("method", "a splitting", Stage::numbers(stages))
+/// What tells a splitting from others: its stages, and after how many of them flows act, if not around them all.
+pub(super) fn hallmark(stages: &[Stage], stirs_after: usize) -> Hallmark {
+    let mut numbers = Stage::numbers(stages);
+    numbers.extend((stirs_after > 0).then_some(stirs_after as f64));
+    Hallmark::of_parameters("method", "a splitting", numbers)
 }
 
 /// What tells a method that draws these momenta anew from others.

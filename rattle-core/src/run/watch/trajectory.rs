@@ -173,6 +173,13 @@ impl<const D: usize> Observer<D> for Trajectory {
             "trajectories of {both:?} bodies have no common shape: take `Each::of(Trajectory::new)`"
         );
         (self.bodies, self.coordinates) = (next.bodies, next.coordinates);
+        if let Some(rows) = &mut self.multipliers {
+            let unknown = vec![f64::NAN; next.times.len() * self.under_way.position.len()];
+            let theirs =
+                next.multipliers.unwrap_or(Multipliers { momentum: unknown.clone(), position: unknown });
+            rows.position.extend(theirs.position);
+            rows.momentum.extend(theirs.momentum);
+        }
         self.times.extend(next.times);
         self.positions.extend(next.positions);
         self.momenta.extend(next.momenta);
