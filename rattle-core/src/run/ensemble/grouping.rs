@@ -24,7 +24,8 @@ use crate::run::ensemble::precision::{InNumbers, Precision};
 use crate::run::ensemble::projected_lanes::ProjectedLanes;
 use crate::run::ensemble::renewed_lanes::RenewedLanes;
 use crate::run::ensemble::side_by_side::side_by_side;
-use crate::run::ensemble::splitting_lanes::{Splits, SplittingLanes};
+use crate::run::ensemble::splits::Splits;
+use crate::run::ensemble::splitting_lanes::SplittingLanes;
 use crate::run::ensemble::taylor_lanes::{InSeries, TaylorInLanes};
 use std::marker::PhantomData;
 

@@ -20,7 +20,7 @@ use crate::run::ensemble::rigid_law::RigidLaws;
 use crate::run::ensemble::rigid_projected_lanes::RigidProjected;
 use crate::run::ensemble::rigid_row::{Attitude, RigidRow};
 use crate::run::ensemble::side_by_side::side_by_side;
-use crate::run::ensemble::splitting_lanes::Splits;
+use crate::run::ensemble::splits::Splits;
 use crate::systems::network::Network;
 use crate::systems::network::in_lanes::{FEW, ROW};
 use crate::systems::rigid::Rigid;

@@ -23,7 +23,7 @@ use crate::number::real::Real;
 use crate::run::ensemble::linked_plan::Places;
 use crate::run::ensemble::linked_row::{Course, PIVOT};
 use crate::run::ensemble::rhythm::{Bath, Rhythm, When};
-use crate::run::ensemble::splitting_lanes::Splits;
+use crate::run::ensemble::splits::Splits;
 use crate::run::ensemble::stirring::{DEVIATIONS, MOST_ROUNDS};
 use crate::systems::network::in_lanes::{Number, Numbers, Which, zeros};
 use std::array::from_fn;

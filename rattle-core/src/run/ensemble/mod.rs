@@ -110,6 +110,7 @@ mod rigid_stirring;
 mod row;
 mod side_by_side;
 mod side_by_side_record;
+mod splits;
 mod splitting_lanes;
 mod stages;
 mod stirred;

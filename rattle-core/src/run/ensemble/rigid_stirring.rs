@@ -21,7 +21,7 @@ use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::rhythm::{Bath, InRhythm, Rhythm, When};
 use crate::run::ensemble::rigid_row::{Course, RigidRow, Rotor, Row, Three, finite, push};
-use crate::run::ensemble::splitting_lanes::Splits;
+use crate::run::ensemble::splits::Splits;
 use crate::systems::network::in_lanes::{Numbers, at, lost, zeros};
 use std::array::from_fn;
 

@@ -8,7 +8,7 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::{Body, Saved};
 use crate::motion::course::kink_ahead;
 use crate::motion::failure::Failure;
-use crate::motion::method::{Renewal, Stage};
+use crate::motion::method::Stage;
 use crate::motion::parts::BodiesOf;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::stir::{draws, in_the_middle, stir};
@@ -23,6 +23,7 @@ use crate::run::ensemble::crossing::{crossings, kink};
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::loops::step;
+use crate::run::ensemble::splits::{backwards, hallmark, without_first_kick};
 use crate::run::ensemble::stirred::{Stirs, limit, look_around, stirred_step};
 use crate::run::ensemble::stirring::Stirring;
 use crate::run::fingerprint::Looks;
@@ -84,6 +85,48 @@ struct Desk<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: b
     scratch: Scratch<S, L, D>,
 }
 
+/// Puts a trajectory into a lane.
+struct Setting<'a, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
+    block: &'a mut Block<S, L, D, SUMS, EQUAL>,
+    lane: usize,
+    laws: &'a X,
+    parts: &'a [Part],
+    q: [[S; D]; 2],
+    p: [[S; D]; 2],
+}
+
+impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
+    for Setting<'_, S, X, L, D, SUMS, EQUAL>
+{
+    type Done = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let Self { block, lane, laws, parts, q, p } = self;
+        block.set(lane, laws, parts, q, p)
+            && block.momentum(lane, laws, parts)[0].iter().all(|p| p.to_f64().is_finite())
+    }
+}
+
+/// The momentum in a lane.
+struct Momentum<'a, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
+    block: &'a Block<S, L, D, SUMS, EQUAL>,
+    lane: usize,
+    laws: &'a X,
+    parts: &'a [Part],
+}
+
+impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
+    for Momentum<'_, S, X, L, D, SUMS, EQUAL>
+{
+    type Done = [[S; D]; 2];
+
+    #[inline(always)]
+    fn run(self) -> [[S; D]; 2] {
+        self.block.momentum(self.lane, self.laws, self.parts)
+    }
+}
+
 impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Engine<D>
     for SplittingLanes<S, X, L, D, SUMS, EQUAL>
 where
@@ -110,11 +153,12 @@ where
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
         let Body { q, q_low, p, p_low } = bodies[0].map(S::from_f64);
-        let holds = self.block.set(lane, &self.laws, &self.parts, [q, q_low], [p, p_low]);
+        let Self { block, laws, parts, .. } = self;
+        let holds = self.set.run_narrow(Setting { block, lane, laws, parts, q: [q, q_low], p: [p, p_low] });
         if const { X::Forces::FLOWS > 0 } {
             self.book(lane, self.account.work[lane]);
         }
-        holds && self.block.momentum(lane, &self.laws, &self.parts)[0].iter().all(|p| p.to_f64().is_finite())
+        holds
     }
 
     fn copy(&mut self, from: usize, to: usize) {
@@ -165,8 +209,9 @@ where
     }
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
-        let ([q, q_low], [p, p_low]) =
-            (self.block.position(lane), self.block.momentum(lane, &self.laws, &self.parts));
+        let Self { block, laws, parts, .. } = self;
+        let [q, q_low] = block.position(lane);
+        let [p, p_low] = self.set.run_narrow(Momentum { block, lane, laws, parts });
         vec![Body { q, q_low, p, p_low }.map(S::to_f64)]
     }
 
@@ -237,87 +282,6 @@ where
 }
 
 answered_by_laws!(SplittingLanes, EQUAL: bool);
-
-/// A splitting, as it moves rows of linked and of rigid bodies.
-pub(super) struct Splits {
-    pub(super) stages: Vec<Stage>,
-    pub(super) parts: Vec<Part>,
-    pub(super) h: f64,
-    /// Whether all steps are equal: a step of the method is one stage.
-    pub(super) equal: bool,
-    /// Whether sums are compensated.
-    pub(super) sums: bool,
-    pub(super) set: Fusing,
-    /// After how many parts flows act, if there are any; after none half before each step and half after it. And the
-    /// kick that follows the half before.
-    pub(super) stirs_after: usize,
-    pub(super) stirred_kick: f64,
-    /// The momenta that each step draws instead, if it does.
-    pub(super) renewal: Option<Renewal>,
-}
-
-impl Splits {
-    pub(super) fn new(stages: &[Stage], h: f64, equal: bool, sums: bool, set: Fusing) -> Self {
-        let parts = if equal { Part::of::<true>(stages) } else { Part::of::<false>(stages) };
-        let stages = stages.to_vec();
-        Self { stages, parts, h, equal, sums, set, stirs_after: 0, stirred_kick: 0.0, renewal: None }
-    }
-
-    /// A step that draws momenta anew.
-    pub(super) fn renewed(renewal: Renewal, h: f64, sums: bool, set: Fusing) -> Self {
-        let stage = Stage { before: renewal.kick, h, after: 0.0 };
-        Self { renewal: Some(renewal), ..Self::new(&[stage], h, false, sums, set).stirred(0) }
-    }
-
-    /// The same where flows act after so many stages. Where half of them act before each step, momenta are ahead by no
-    /// kick.
-    pub(super) fn stirred(self, stirs_after: usize) -> Self {
-        if stirs_after > 0 {
-            return Self { stirs_after, ..self };
-        }
-        let parts = Part::of::<false>(&without_first_kick(&self.stages));
-        Self { parts, stirred_kick: self.stages[0].before, ..self }
-    }
-
-    /// The same in steps of −h, where flows act or do not; none where the method draws momenta.
-    pub(super) fn backwards(&self, flows: bool) -> Option<Self> {
-        let Self { ref stages, h, equal, sums, set, stirs_after, renewal, .. } = *self;
-        let back = Self::new(&backwards(stages), -h, equal, sums, set);
-        let back = if flows { back.stirred(stirs_after) } else { back };
-        renewal.is_none().then_some(back)
-    }
-
-    pub(super) fn hallmark(&self) -> Hallmark {
-        self.renewal
-            .map_or_else(|| hallmark(&self.stages, self.stirs_after), |renewal| of_renewal(renewal, self.h))
-    }
-}
-
-/// These stages, each of them backwards: those of a step of −h, since the method is symmetric.
-pub(super) fn backwards(stages: &[Stage]) -> Vec<Stage> {
-    let back = |&Stage { before, h, after }: &Stage| Stage { before: -before, h: -h, after: -after };
-    stages.iter().map(back).collect()
-}
-
-/// What tells a splitting from others: its stages, and after how many of them flows act, if not around them all.
-pub(super) fn hallmark(stages: &[Stage], stirs_after: usize) -> Hallmark {
-    let mut numbers = Stage::numbers(stages);
-    numbers.extend((stirs_after > 0).then_some(stirs_after as f64));
-    Hallmark::of_parameters("method", "a splitting", numbers)
-}
-
-/// What tells a method that draws these momenta anew from others.
-pub(super) fn of_renewal(renewal: Renewal, h: f64) -> Hallmark {
-    let numbers = [&[h], &renewal.numbers()[..]].concat();
-    Hallmark::of_parameters("method", "momenta drawn anew", numbers)
-}
-
-/// These stages, of which the first has no kick before it.
-fn without_first_kick(stages: &[Stage]) -> Vec<Stage> {
-    let mut stages = stages.to_vec();
-    stages[0].before = 0.0;
-    stages
-}
 
 /// How flows stir bodies that go by themselves.
 pub(super) struct StirredAlone<'a> {

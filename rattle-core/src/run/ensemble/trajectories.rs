@@ -289,9 +289,10 @@ impl<const D: usize> Ensemble<D> {
     /// A trajectory whose step does not lead back fails, or takes it in parts if there is [`retry`](Self::retry). A
     /// hybrid Monte Carlo method rejects such a proposal.
     ///
-    /// In lanes a step is taken, taken anew as from a start, and taken back. A trajectory that ends elsewhere takes this
-    /// step and the next ones by itself, as a simulation does, and is judged by that; the others keep the bits that
-    /// they have without the check. A step takes some 20 times as long as without it.
+    /// In lanes a step is looked at as from a start, taken, and taken back. A trajectory that does not come back takes
+    /// this step and the next ones by itself, as a simulation does, and is judged by that; the others keep the bits
+    /// that they have without the check. A step in lanes costs more than one of a simulation that is checked, by half:
+    /// lanes are set anew each time. What is saved is what goes without the check.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle};

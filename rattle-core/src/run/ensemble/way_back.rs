@@ -36,38 +36,34 @@ impl<const D: usize> WayBack<D> {
     }
 }
 
-/// One step, after so many.
-struct OneStep(Option<u64>);
+/// One step, after none.
+struct OneStep(bool);
 
 impl<const D: usize> Tour<D> for OneStep {
     fn next(&mut self) -> Option<Leg<'_, D>> {
-        let from = self.0.take()?;
-        Some(Leg { from, steps: 1, written: None, shown: false })
+        let goes = std::mem::take(&mut self.0);
+        goes.then_some(Leg { from: 0, steps: 1, written: None, shown: false })
     }
 }
 
 impl<const D: usize> SideBySide<D> {
     /// Takes the step to there back in lanes, if that is asked for.
     ///
-    /// Lanes look closely at a step only where they begin anew, and so they do on the way back. Whether a step is
-    /// taken must not depend on which of its ends it begins at: so it is made anew before it is taken back.
+    /// Lanes look closely at a step where they begin anew, as they do on the way back, and not within a run. Whether a
+    /// step is taken must not depend on which of its ends it begins at, so it is looked at as a first one, too.
     ///
     /// # Errors
-    /// The lanes that are not led to where they are now. A step by itself says whether it can be taken back.
+    /// The lanes that cannot begin here, or are not led back. A step by itself says whether it can be taken back.
     pub(super) fn look_back(&mut self, there: &dyn Engine<D>) -> Result<(), Vec<Stuck>> {
         let Some(WayBack { tolerance, mut backwards }) = self.way_back.take() else { return Ok(()) };
         match &mut backwards {
             Some(back) => self.date(&mut **back),
             none => *none = self.backwards(),
         }
-        let mut anew = self.engine.boxed();
-        let mut led = self.leads(&mut *anew, self.steps, [&*self.engine, there], tolerance);
-        if led.is_ok() {
-            led = match &mut backwards {
-                Some(back) => self.leads(&mut **back, 0, [there, &*self.engine], tolerance),
-                None => Err(self.own().map(doubtful).collect()),
-            };
-        }
+        let led = match &mut backwards {
+            Some(back) => self.leads_back(&mut **back, there, tolerance),
+            None => Err(self.own().map(doubtful).collect()),
+        };
         self.way_back = Some(WayBack { tolerance, backwards });
         led
     }
@@ -77,29 +73,33 @@ impl<const D: usize> SideBySide<D> {
         (0..self.engine.width()).filter(|&lane| self.copy_of[lane] == lane)
     }
 
-    /// Has lanes go the step after so many from one place, where they begin, to another.
-    ///
-    /// # Errors
-    /// Those that do not get there.
-    fn leads(
+    fn leads_back(
         &self,
-        lanes: &mut dyn Engine<D>,
-        from: u64,
-        [begin, end]: [&dyn Engine<D>; 2],
+        back: &mut dyn Engine<D>,
+        there: &dyn Engine<D>,
         tolerance: f64,
     ) -> Result<(), Vec<Stuck>> {
-        let lost = self.own().filter(|&lane| !lanes.set(lane, &begin.bodies(lane)));
-        let mut lost = lost.map(doubtful).collect::<Vec<_>>();
-        if lost.is_empty() {
-            for lane in (0..lanes.width()).filter(|&lane| self.copy_of[lane] != lane) {
-                lanes.copy(self.copy_of[lane], lane);
+        let (mut anew, mut begin, mut lost) = (self.engine.boxed(), Vec::new(), Vec::new());
+        for lane in self.own() {
+            let bodies = self.engine.bodies(lane);
+            if !(anew.set(lane, &bodies) && back.set(lane, &there.bodies(lane))) {
+                lost.push(doubtful(lane));
             }
-            let off = |lanes: &dyn Engine<D>, lane: usize| {
-                let (was, is) = (end.bodies(lane), lanes.bodies(lane));
+            begin.push(bodies);
+        }
+        if lost.is_empty() {
+            for lane in (0..back.width()).filter(|&lane| self.copy_of[lane] != lane) {
+                back.copy(self.copy_of[lane], lane);
+            }
+            let off = |back: &dyn Engine<D>, lane: usize, was: &[Body<f64, D>]| {
+                let is = back.bodies(lane);
                 compare(was.len(), |i| [was[i], is[i]], true, tolerance).is_err()
             };
-            lost = match lanes.go(&mut OneStep(Some(from))) {
-                Ok(lanes) => self.own().filter(|&lane| off(&*lanes, lane)).map(doubtful).collect(),
+            lost = match back.go(&mut OneStep(true)) {
+                Ok(back) => {
+                    let off = self.own().zip(&begin).filter(|(lane, was)| off(&*back, *lane, was));
+                    off.map(|(lane, _)| doubtful(lane)).collect()
+                }
                 Err(stuck) => stuck.into_iter().map(|of| doubtful(of.lane)).collect(),
             };
         }
