@@ -14,7 +14,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 /// # Ok::<(), rattle::Error>(())
 /// ```
 ///
-/// Join it with another observer by a tuple: `&mut (recorder, bar(100))`.
+/// Join it with another observer by a tuple: `let mut both = (recorder, bar(100))`, then `&mut both`, and at last
+/// `both.0.finish()?`.
 pub fn bar(sights: u64) -> Progress<impl FnMut(u64)> {
     let bar = ProgressBar::new(sights); // hidden where there is no terminal
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent} % {eta} left") {

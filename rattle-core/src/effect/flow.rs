@@ -23,12 +23,13 @@ use std::array::from_fn;
 /// the energy error is that of the method. Only methods with a symmetric step, and with momenta at the time of the
 /// positions, can be split like this; others are refused before a run.
 ///
-/// **In lanes.** Ensembles of one body on a surface, and of linked bodies, apply flows in SIMD lanes. A flow with a
-/// [matrix](Self::linear), or one that is an [Ornstein–Uhlenbeck
-/// process](Self::ornstein_uhlenbeck), is applied to all lanes at once. Any other flow is evaluated lane by lane, with
+/// **In lanes.** Ensembles of one body on a surface, of linked bodies and of rigid ones apply flows in SIMD lanes. A
+/// flow with a [matrix](Self::linear), or one that is an [Ornstein–Uhlenbeck
+/// process](Self::ornstein_uhlenbeck), is applied to all lanes at once; to rigid bodies a matrix is lane by lane. Any
+/// other flow is evaluated lane by lane, with
 /// a lane's number as `T` on surfaces, where with `#[inline(always)]` it can be compiled for the wide instructions of
-/// the lanes, and with `f64` as `T` for linked bodies. Flows that [feel forces](Self::FEELS_FORCES), and flows in
-/// other scenes, are computed as one simulation per trajectory;
+/// the lanes, and with `f64` as `T` for linked and rigid bodies. Flows that [feel forces](Self::FEELS_FORCES), and
+/// flows in other scenes, are computed as one simulation per trajectory;
 /// [`Ensemble::plan`](crate::run::ensemble::Ensemble::plan) says so.
 ///
 /// ```

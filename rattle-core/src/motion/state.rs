@@ -40,8 +40,8 @@ impl<X: Into<SVector<f64, D>>, const D: usize> Coordinates<D> for X {
 /// method and the effects. A simulation that starts from it, in the same scene with the same method, continues bit for
 /// bit; where 24 or more molecules are alike, to rounding: their first steps from a state are looked at one by one, and
 /// only a [checkpoint](crate::run::checkpoint::Checkpoint) holds what was seen before. With other momenta, or in a
-/// scene of other energies, accelerations or types of effects, these numbers are dropped; with another method its
-/// memory is, and headings of [`SelfPropulsion`](crate::effect::SelfPropulsion) stay.
+/// scene of other energies, accelerations or types of effects, the memory is dropped; with another method that of the
+/// method is, and headings of [`SelfPropulsion`](crate::effect::SelfPropulsion) stay.
 ///
 /// ```
 /// use rattle::State;

@@ -3,6 +3,7 @@
 use crate::effect::list::Forces;
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
+use crate::motion::affected::Affected;
 use crate::motion::bodies::{Body, One, Saved};
 use crate::motion::capability::Collocation;
 use crate::motion::course::check_energy;
@@ -22,8 +23,10 @@ use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::lane_record::InRows;
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::row::{End, LOOKING, Row, Scratch, Tableau};
+use crate::run::ensemble::splitting_lanes::compare_lane;
 use crate::run::ensemble::stages::advance;
 use crate::run::fingerprint::Looks;
+use crate::run::trouble::Trouble;
 use crate::solve::crowd::{Asked, EVERY};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use std::any::Any;
@@ -40,6 +43,8 @@ pub(crate) struct CollocationLanes<S, X, const L: usize, const D: usize, const S
     table: &'static Table<N>,
     tableau: Tableau<S, N>,
     h: f64,
+    /// The tolerance to which steps are taken back.
+    checked: Option<f64>,
     set: Fusing,
 }
 
@@ -48,7 +53,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
 {
     /// Lanes, none of them set, that obey these laws by the method with this table and steps of h.
     pub(crate) fn new(laws: X, table: &'static Table<N>, h: f64, set: Fusing) -> Self {
-        Self { row: Row::new(), laws, table, tableau: Tableau::of(table, h), h, set }
+        Self { row: Row::new(), laws, table, tableau: Tableau::of(table, h), h, checked: None, set }
     }
 }
 
@@ -74,7 +79,7 @@ where
         let going = Going { lanes: self, tour };
         let row = self.set.run_lanes::<L, _>(going)?;
         let (laws, tableau) = (self.laws.clone(), self.tableau.clone());
-        Ok(Box::new(Self { row, laws, tableau, table: self.table, h: self.h, set: self.set }))
+        Ok(Box::new(Self { row, laws, tableau, ..*self }))
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
@@ -96,8 +101,8 @@ where
         }
     }
 
-    fn backwards(&self) -> Option<Box<dyn Engine<D>>> {
-        Some(Box::new(Self::new(self.laws.clone(), self.table, -self.h, self.set)))
+    fn check_reversal(&mut self, tolerance: f64) {
+        self.checked = Some(tolerance);
     }
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
@@ -112,13 +117,22 @@ where
         steps: u64,
         parts: u32,
         _: &mut u64,
-    ) -> Result<Moved<D>, Failure> {
-        let Self { laws, table, h, .. } = self;
+    ) -> Result<Moved<D>, Trouble> {
+        let Self { laws, table, h, checked, .. } = self;
         let system = system_of(laws, lane);
         let mut bodies = system.bodies(&[bodies[0].map(S::from_f64)], 0.0);
         for _ in 0..steps {
             let start = apart(&system, table, *h, parts, &mut bodies, &mut [])?;
             system.check_sheets(*h, &start, &mut bodies)?;
+            if let Some(tolerance) = *checked {
+                let (end, back) = (bodies.saved(), -h / f64::from(parts));
+                system.put_back(&mut bodies, &end); // the way back begins anew
+                let mut step =
+                    |_| Collocation::collocate(&system, table, back, &mut bodies, &mut [], &mut ());
+                let led = (0..parts).try_for_each(&mut step).is_ok();
+                compare_lane(&start, &bodies, led, tolerance)?;
+                system.put_back(&mut bodies, &end);
+            }
         }
         Ok((vec![bodies.body(0).map(S::to_f64)], 0.0))
     }

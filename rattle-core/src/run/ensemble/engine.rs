@@ -7,6 +7,7 @@ use crate::motion::failure::Failure;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::number::clock::later;
 use crate::run::fingerprint::Looks;
+use crate::run::trouble::Trouble;
 use crate::run::watch::seen::Page;
 use crate::run::watch::sight::Source;
 use std::any::Any;
@@ -133,15 +134,14 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
         steps: u64,
         parts: u32,
         place: &mut u64,
-    ) -> Result<Moved<D>, Failure>;
+    ) -> Result<Moved<D>, Trouble>;
     /// Whether steps can be repeated in parts.
     fn divides(&self) -> bool {
         true
     }
-    /// An engine of the same laws in steps of −h, no lane of which is set; none where the method is not symmetric.
-    fn backwards(&self) -> Option<Box<dyn Engine<D>>> {
-        None
-    }
+    /// From now on each step that a lane takes by itself is taken back, and compared to this tolerance; said of
+    /// symmetric methods alone.
+    fn check_reversal(&mut self, _tolerance: f64) {}
     /// Says of which trajectory a lane draws the random numbers, and where and when that starts.
     fn draw_as(&mut self, _lane: usize, _draws: Draws) {}
     /// The work of flows on a lane since the start, which is copied with it; none where there are no flows.

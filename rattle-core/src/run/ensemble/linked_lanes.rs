@@ -3,7 +3,6 @@
 use crate::effect::list::Forces;
 use crate::error::Error;
 use crate::motion::bodies::{Body, Many};
-use crate::motion::failure::Failure;
 use crate::motion::parts::Parts;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
@@ -26,6 +25,7 @@ use crate::run::ensemble::splits::Splits;
 use crate::run::ensemble::splitting_lanes::{StirredAlone, by_itself};
 use crate::run::ensemble::stirred::LARGER;
 use crate::run::fingerprint::{Looks, of_lane};
+use crate::run::trouble::Trouble;
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
 use crate::systems::network::in_lanes::{Numbers, zeros};
@@ -52,6 +52,8 @@ pub(super) struct LinkedLanes<F, const D: usize, const W: usize> {
     /// The part of the method's step that comes next.
     part: usize,
     account: Account,
+    /// The tolerance to which steps are taken back.
+    checked: Option<f64>,
 }
 
 /// What is kept of each lane where flows act, or momenta are drawn anew; empty otherwise.
@@ -65,9 +67,9 @@ struct Account {
 
 impl<F, const D: usize, const W: usize> Clone for LinkedLanes<F, D, W> {
     fn clone(&self) -> Self {
-        let Self { common, obeyed, numbers, part, account } = self;
+        let Self { common, obeyed, numbers, account, .. } = self;
         let (common, obeyed) = (common.clone(), obeyed.clone());
-        Self { common, obeyed, numbers: numbers.clone(), part: *part, account: account.clone() }
+        Self { common, obeyed, numbers: numbers.clone(), account: account.clone(), ..*self }
     }
 }
 
@@ -88,6 +90,7 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLanes<F, D, W> {
             numbers,
             part: 0,
             account,
+            checked: None,
         }
     }
 }
@@ -263,6 +266,7 @@ where
             numbers,
             part,
             account,
+            checked: self.checked,
         }))
     }
 
@@ -359,9 +363,8 @@ where
         }
     }
 
-    fn backwards(&self) -> Option<Box<dyn Engine<D>>> {
-        let method = self.common.method.backwards(const { F::FLOWS > 0 })?;
-        Some(Box::new(Self::new((self.common.plan.clone(), (*self.obeyed).clone()), method)))
+    fn check_reversal(&mut self, tolerance: f64) {
+        self.checked = Some(tolerance);
     }
 
     fn draw_as(&mut self, lane: usize, draws: Draws) {
@@ -399,7 +402,7 @@ where
         steps: u64,
         parts: u32,
         place: &mut u64,
-    ) -> Result<Moved<D>, Failure> {
+    ) -> Result<Moved<D>, Trouble> {
         let law = self.law(lane);
         let ready = law.ready(bodies, self.common.method.h);
         let system = ready.as_ref().unwrap_or(&law.system);
@@ -408,7 +411,7 @@ where
             && let Some(stirring) = &self.obeyed.stirring
         {
             let noise = |number| stirring.rhythm.noise(lane, from + number);
-            return renewed_lanes::by_itself::<f64, _, D>(system, renewal, *h, &noise, steps, bodies);
+            return Ok(renewed_lanes::by_itself::<f64, _, D>(system, renewal, *h, &noise, steps, bodies)?);
         }
         if const { F::FLOWS > 0 }
             && let Some(stirring) = &self.obeyed.stirring
@@ -417,9 +420,9 @@ where
             let at = |steps| (rhythm.noise(lane, from + steps), rhythm.now(lane, from + steps));
             let (after, work) = (rhythm.after, self.account.work[lane]);
             let stirred = StirredAlone { after, at: &at, place, work };
-            return by_itself::<f64, _, D>(system, stages, Some(stirred), steps, parts, bodies);
+            return by_itself::<f64, _, D>(system, stages, Some(stirred), steps, parts, bodies, self.checked);
         }
-        by_itself::<f64, _, D>(system, stages, None, steps, parts, bodies)
+        by_itself::<f64, _, D>(system, stages, None, steps, parts, bodies, self.checked)
     }
 
     fn kick_alone(&self, steps: u32) {

@@ -196,7 +196,6 @@ pub(super) struct Places {
 }
 
 /// A network made ready for trajectories side by side.
-#[derive(Clone)]
 pub(super) struct LinkedPlan {
     pub(super) places: Places,
     /// Coordinates of all bodies, equations that can be solved for, and entries of their gradients.

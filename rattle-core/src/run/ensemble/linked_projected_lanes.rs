@@ -6,7 +6,6 @@ use crate::error::Error;
 use crate::methods::dop853::Dop853;
 use crate::methods::dop853_table::STAGES;
 use crate::motion::bodies::{Body, Many};
-use crate::motion::failure::Failure;
 use crate::motion::method::Method;
 use crate::motion::parts::Parts;
 use crate::motion::record::{Hallmark, Reading, Record};
@@ -24,6 +23,7 @@ use crate::run::ensemble::linked_projected::{Desk, ProjectedSteps};
 use crate::run::ensemble::linked_projected_row::{Kept, Landed};
 use crate::run::ensemble::linked_row::{Course, LinkedRow};
 use crate::run::fingerprint::{Looks, of_lane};
+use crate::run::trouble::Trouble;
 use crate::solve::crowd::Asked;
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
@@ -204,11 +204,11 @@ where
         steps: u64,
         parts: u32,
         _: &mut u64,
-    ) -> Result<Moved<D>, Failure> {
+    ) -> Result<Moved<D>, Trouble> {
         let law = self.laws.law(lane);
         let ready = law.ready(bodies, self.method.step_size());
         let system = ready.as_ref().unwrap_or(&law.system);
-        self::steps(&self.method, (system, system), bodies, steps, parts)
+        Ok(self::steps(&self.method, (system, system), bodies, steps, parts)?)
     }
 
     fn kick_alone(&self, steps: u32) {

@@ -13,13 +13,13 @@
 //! **What is computed in lanes.** On a processor with fused multiply-add, a SIMD instruction computes the same step for
 //! several trajectories, one in each lane of a register. This is done for
 //!
-//! * one body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position Verlet, symplectic
-//!   Euler, Geodesic RATTLE, a composition of one of them, [`Baoab`](crate::methods::baoab::Baoab), a Lobatto
+//! * one body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position Verlet, Geodesic
+//!   RATTLE, a composition of one of them, [`Baoab`](crate::methods::baoab::Baoab), symplectic Euler, a Lobatto
 //!   method, [`Dop853`](crate::methods::dop853::Dop853) or [`Taylor`](crate::methods::taylor::Taylor); except for the
-//!   last three also with [flows](crate::effect::Flow) of momenta, such as heat, drag and magnetic fields, unless they
+//!   last four also with [flows](crate::effect::Flow) of momenta, such as heat, drag and magnetic fields, unless they
 //!   [feel forces](crate::effect::Flow::FEELS_FORCES) or have a memory;
-//! * any number of linked bodies, moved by the same methods except Lobatto's and `Taylor`, always in double precision;
-//!   also with flows of momenta, of the same kinds.
+//! * linked bodies, up to 16 384 numbers of one trajectory (chains of some 400 links in space), moved by the same
+//!   methods except Lobatto's and `Taylor`, always in double precision; also with flows of momenta, of the same kinds.
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
 //!   different topologies, or with other bodies pinned;
@@ -120,7 +120,6 @@ mod taylor_lanes;
 pub mod trajectories;
 mod until;
 mod watching;
-mod way_back;
 
 use crate::number::lanes::Fused;
 use crate::number::vectors::LANES;

@@ -13,9 +13,10 @@ use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::lane_record::InRows;
 use crate::run::ensemble::phase_row::{Laws, ROW, Row, Swept};
 use crate::run::ensemble::phase_step::{Scratch, step};
-use crate::run::ensemble::splits::{backwards, hallmark};
+use crate::run::ensemble::splits::hallmark;
 use crate::run::ensemble::splitting_lanes::by_itself;
 use crate::run::fingerprint::{Looks, of_lane};
+use crate::run::trouble::Trouble;
 use crate::solve::aim::Pace;
 use crate::systems::phase::InPhaseSpace;
 use std::any::Any;
@@ -51,6 +52,8 @@ where
     pace: Pace,
     stages: Arc<[Stage]>,
     h: f64,
+    /// The tolerance to which steps are taken back.
+    checked: Option<f64>,
     set: Fusing,
 }
 
@@ -89,6 +92,7 @@ where
             pace: Pace::unknown(),
             stages: stages.into(),
             h,
+            checked: None,
             set,
         }
     }
@@ -140,10 +144,8 @@ where
         }
     }
 
-    fn backwards(&self) -> Option<Box<dyn Engine<D>>> {
-        let bodies = vec![Row::new(); self.bodies.len()];
-        let (stages, pace, h) = (backwards(&self.stages).into(), Pace::unknown(), -self.h);
-        Some(Box::new(Self { bodies, stages, pace, h, ..self.clone() }))
+    fn check_reversal(&mut self, tolerance: f64) {
+        self.checked = Some(tolerance);
     }
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
@@ -158,8 +160,8 @@ where
         steps: u64,
         parts: u32,
         _: &mut u64,
-    ) -> Result<Moved<D>, Failure> {
-        by_itself::<f64, _, D>(self.system(lane), &self.stages, None, steps, parts, bodies)
+    ) -> Result<Moved<D>, Trouble> {
+        by_itself::<f64, _, D>(self.system(lane), &self.stages, None, steps, parts, bodies, self.checked)
     }
 
     /// Forces are not apart from the rest.

@@ -20,6 +20,7 @@ use crate::run::ensemble::projected::{Projects, advance};
 use crate::run::ensemble::projected_row::{Row, Scratch};
 use crate::run::ensemble::row::LOOKING;
 use crate::run::fingerprint::Looks;
+use crate::run::trouble::Trouble;
 use crate::solve::crowd::{Asked, EVERY};
 use std::any::Any;
 use std::hint::black_box;
@@ -134,7 +135,7 @@ where
         steps: u64,
         parts: u32,
         _: &mut u64,
-    ) -> Result<Moved<D>, Failure> {
+    ) -> Result<Moved<D>, Trouble> {
         let body = bodies[0].map(S::from_f64);
         let (body, _) = self.alone(&self.laws, lane, &body, [0, steps], parts, 0.0)?;
         Ok((vec![body.map(S::to_f64)], 0.0))

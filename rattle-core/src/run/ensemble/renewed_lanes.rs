@@ -29,6 +29,7 @@ use crate::run::ensemble::splitting_lanes::{in_lanes, of_a_kink_ahead, out_of_la
 use crate::run::ensemble::stirred::{LARGER, lead};
 use crate::run::ensemble::stirring::DEVIATIONS;
 use crate::run::fingerprint::Looks;
+use crate::run::trouble::Trouble;
 use crate::solve::crowd::EVERY;
 use std::any::Any;
 use std::array::from_fn;
@@ -131,9 +132,9 @@ where
         steps: u64,
         _: u32,
         _: &mut u64,
-    ) -> Result<Moved<D>, Failure> {
+    ) -> Result<Moved<D>, Trouble> {
         let (system, noise) = (system_of(&self.laws, lane), |number| self.rhythm.noise(lane, from + number));
-        by_itself::<S, _, D>(&system, self.renewal, self.h, &noise, steps, bodies)
+        Ok(by_itself::<S, _, D>(&system, self.renewal, self.h, &noise, steps, bodies)?)
     }
 
     fn kick_alone(&self, steps: u32) {

@@ -2,7 +2,6 @@
 
 use crate::error::Error;
 use crate::motion::bodies::Body;
-use crate::motion::failure::Failure;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
 use crate::number::lanes::Fused;
@@ -20,6 +19,7 @@ use crate::run::ensemble::rigid_stirring::{Question, RotorStirring, StirredSteps
 use crate::run::ensemble::splits::Splits;
 use crate::run::ensemble::splitting_lanes::{StirredAlone, by_itself};
 use crate::run::fingerprint::{Looks, of_lane};
+use crate::run::trouble::Trouble;
 use crate::systems::network::in_lanes::{at, put, zeros};
 use std::any::Any;
 use std::array::from_fn;
@@ -37,6 +37,8 @@ pub(super) struct RigidLanes<Y, const D: usize, const W: usize> {
     guesses: Arc<[Weights]>,
     /// The part of the method's step that comes next.
     part: usize,
+    /// The tolerance to which steps are taken back.
+    checked: Option<f64>,
 }
 
 impl<Y, const D: usize, const W: usize> Clone for RigidLanes<Y, D, W> {
@@ -64,6 +66,7 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
             guesses: Weights::of(&method.parts).into(),
             method,
             part: 0,
+            checked: None,
         }
     }
 
@@ -222,9 +225,8 @@ where
         }
     }
 
-    fn backwards(&self) -> Option<Box<dyn Engine<D>>> {
-        let method = self.method.backwards(const { Y::FLOWS > 0 })?;
-        Some(Box::new(Self::new(self.laws.clone(), self.bodies.len(), Arc::new(method))))
+    fn check_reversal(&mut self, tolerance: f64) {
+        self.checked = Some(tolerance);
     }
 
     fn draw_as(&mut self, lane: usize, draws: Draws) {
@@ -255,18 +257,18 @@ where
         steps: u64,
         parts: u32,
         place: &mut u64,
-    ) -> Result<Moved<D>, Failure> {
+    ) -> Result<Moved<D>, Trouble> {
         let (system, stages) = (self.system(lane), &self.method.stages);
         if let (Some(renewal), Some(stirring)) = (self.method.renewal, &self.stirring) {
             let noise = |number| stirring.rhythm.noise(lane, from + number);
-            return renewed_lanes::by_itself::<f64, _, D>(
+            return Ok(renewed_lanes::by_itself::<f64, _, D>(
                 system,
                 renewal,
                 self.method.h,
                 &noise,
                 steps,
                 bodies,
-            );
+            )?);
         }
         if const { Y::FLOWS > 0 }
             && let Some(stirring) = &self.stirring
@@ -274,9 +276,9 @@ where
             let rhythm = &stirring.rhythm;
             let at = |steps| (rhythm.noise(lane, from + steps), rhythm.now(lane, from + steps));
             let stirred = StirredAlone { after: rhythm.after, at: &at, place, work: self.work[lane] };
-            return by_itself::<f64, _, D>(system, stages, Some(stirred), steps, parts, bodies);
+            return by_itself::<f64, _, D>(system, stages, Some(stirred), steps, parts, bodies, self.checked);
         }
-        by_itself::<f64, _, D>(system, stages, None, steps, parts, bodies)
+        by_itself::<f64, _, D>(system, stages, None, steps, parts, bodies, self.checked)
     }
 
     fn kick_alone(&self, steps: u32) {

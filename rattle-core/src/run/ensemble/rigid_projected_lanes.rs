@@ -4,7 +4,6 @@ use crate::error::Error;
 use crate::methods::dop853::Dop853;
 use crate::methods::dop853_table::STAGES;
 use crate::motion::bodies::Body;
-use crate::motion::failure::Failure;
 use crate::motion::method::{Method, View};
 use crate::motion::need::Need;
 use crate::motion::parts::BodiesOf;
@@ -23,6 +22,7 @@ use crate::run::ensemble::rigid_law::RigidLaws;
 use crate::run::ensemble::rigid_projected::{COORDINATES, Desk, ProjectedSteps, ROW};
 use crate::run::ensemble::rigid_row::{Nine, RigidRow};
 use crate::run::fingerprint::{Looks, of_lane};
+use crate::run::trouble::Trouble;
 use crate::systems::network::in_lanes::{Numbers, zeros};
 use std::any::Any;
 use std::array::from_fn;
@@ -175,9 +175,9 @@ impl<Y: System<f64, D>, const D: usize> Engine<D> for RigidProjected<Y, D> {
         number: u64,
         parts: u32,
         _: &mut u64,
-    ) -> Result<Moved<D>, Failure> {
+    ) -> Result<Moved<D>, Trouble> {
         let Ok(view) = view(self.laws.system(lane)) else { return Ok((bodies.to_vec(), 0.0)) }; // never: it was asked
-        steps(&self.method, view, bodies, number, parts)
+        Ok(steps(&self.method, view, bodies, number, parts)?)
     }
 
     fn kick_alone(&self, steps: u32) {

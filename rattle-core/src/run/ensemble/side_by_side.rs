@@ -11,7 +11,6 @@ use crate::run::bill::{Bill, Item, time};
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour, Written};
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
-use crate::run::ensemble::way_back::WayBack;
 use crate::run::simulation::MOST_HALVINGS;
 use crate::run::watch::seen::Page;
 use crate::run::watch::sight::Source;
@@ -53,8 +52,9 @@ pub(super) struct SideBySide<const D: usize> {
     pub(super) crowded_until: u64,
     /// How often a step that cannot be taken is halved.
     pub(super) halvings: u32,
-    /// If every step is to be taken back and compared.
-    pub(super) way_back: Option<WayBack<D>>,
+    /// If every step is to be taken back and compared, to which tolerance. Then all go by themselves: lanes look less
+    /// closely at a step, so that a step that is taken might be refused on the way back.
+    pub(super) checked: Option<f64>,
 }
 
 /// The trajectories that start so in the lanes of an engine, the first of which has this number; as many of them as
@@ -86,7 +86,6 @@ impl<const D: usize> Clone for SideBySide<D> {
             start_time: self.start_time.clone(),
             ended: self.ended.clone(),
             own: self.own.clone(),
-            way_back: self.way_back.clone(),
             ..*self
         }
     }
@@ -118,7 +117,7 @@ impl<const D: usize> SideBySide<D> {
             own: Vec::new(),
             crowded_until: 1,
             halvings: 0,
-            way_back: None,
+            checked: None,
         };
         for (lane, start) in starts.iter().enumerate().take(number) {
             group.engine.draw_as(lane, group.draws[lane]);
@@ -145,7 +144,6 @@ impl<const D: usize> SideBySide<D> {
     fn put_copy(&mut self, from: usize, to: usize) {
         self.engine.copy(from, to);
         self.engine.obey(from, to);
-        self.way_back.iter_mut().for_each(WayBack::forget);
     }
 
     /// Has all go side by side again that lanes have a place for.
@@ -157,7 +155,7 @@ impl<const D: usize> SideBySide<D> {
     }
 
     /// Takes so many steps, or none if a lane fails on the way; but what was shown on the way was shown. `shown` says
-    /// that the end will be. Where steps are taken back, it is a single one.
+    /// that the end will be.
     fn attempt(
         &mut self,
         steps: u64,
@@ -170,9 +168,8 @@ impl<const D: usize> SideBySide<D> {
         if let (Err(_), Some(onlooker)) = (&gone, onlooker) {
             onlooker.forget();
         }
-        let gone = gone?;
-        self.look_back(&*gone)?;
-        (self.engine, self.steps) = (gone, end);
+        self.engine = gone?;
+        self.steps = end;
         Ok(())
     }
 
@@ -201,8 +198,7 @@ impl<const D: usize> SideBySide<D> {
         let end = self.steps + steps;
         while self.steps < end {
             let next = onlooker.as_ref().map(|onlooker| onlooker.next);
-            let most = if self.way_back.is_some() { 1 } else { LEG };
-            let leg = (most - self.steps % most).min(next.map_or(end, |next| next.min(end)) - self.steps);
+            let leg = (LEG - self.steps % LEG).min(next.map_or(end, |next| next.min(end)) - self.steps);
             let shown = |after: u64| next == Some(after);
             if !self.leg(leg, shown(self.steps + leg)) {
                 for _ in 0..leg {
@@ -222,12 +218,6 @@ impl<const D: usize> SideBySide<D> {
     /// near, or, if it is a single step, in parts. False, and as if none were taken, where one of several cannot.
     /// `shown` says that the end will be.
     fn leg(&mut self, steps: u64, shown: bool) -> bool {
-        if self.way_back.is_some()
-            && !self.crowded.contains(&true)
-            && self.attempt(steps, shown, None).is_ok()
-        {
-            return true;
-        }
         let before = (self.engine.boxed(), self.copy_of);
         let (now, end, mut together) = (self.steps, self.steps + steps, self.moving);
         let (mut apart, mut fails) = (Vec::new(), false);
@@ -260,12 +250,10 @@ impl<const D: usize> SideBySide<D> {
         }
         if fails {
             (self.engine, self.copy_of, self.steps) = (before.0, before.1, now);
-            self.way_back.iter_mut().for_each(WayBack::forget);
             return false;
         }
         if !apart.is_empty() {
             self.engine.obey_as_in(&*before.0);
-            self.way_back.iter_mut().for_each(WayBack::forget);
             for (lane, (bodies, work)) in apart {
                 self.set(lane, &bodies);
                 self.engine.book(lane, work);
@@ -306,10 +294,8 @@ impl<const D: usize> SideBySide<D> {
             return Err(Error::Step { step, time, body: *body, cause: cause.clone() });
         }
         let (bodies, mut place) = (self.bodies_in(lane), 0);
-        let mut moved = |parts: u32| {
-            let moved = self.engine.by_itself(lane, &bodies, self.steps, steps, parts, &mut place)?;
-            self.come_back(lane, &bodies, moved, parts)
-        };
+        let mut moved =
+            |parts: u32| self.engine.by_itself(lane, &bodies, self.steps, steps, parts, &mut place);
         // Flows that act in parts of a step draw what comes after that of the whole step. Of momenta that are drawn it
         // is said by itself why they lead nowhere.
         let failure = failure.filter(|_| self.engine.work(lane).is_none() && self.engine.divides());
@@ -393,12 +379,12 @@ impl<const D: usize> Group<D> for SideBySide<D> {
         let end = self.steps.saturating_add(steps);
         while self.steps < end && self.moving.contains(&true) {
             let stretch = STRETCH.min(end - self.steps);
-            if self.steps / CROWDED >= self.crowded_until {
+            if self.steps / CROWDED >= self.crowded_until && self.checked.is_none() {
                 self.crowded_until = self.steps / CROWDED + 1;
                 self.disperse();
             }
-            let whole = self.way_back.is_none() && !self.crowded.contains(&true);
-            if !whole || self.attempt(stretch, false, onlooker.as_deref_mut()).is_err() {
+            if self.crowded.contains(&true) || self.attempt(stretch, false, onlooker.as_deref_mut()).is_err()
+            {
                 self.go_on(stretch, onlooker.as_deref_mut());
             }
         }
@@ -428,7 +414,15 @@ impl<const D: usize> Group<D> for SideBySide<D> {
     }
 
     fn check_reversal(&mut self, tolerance: f64) -> Result<(), Error> {
-        self.way_back = Some(WayBack::new(tolerance));
+        self.engine.check_reversal(tolerance);
+        self.at_first.iter_mut().for_each(|engine| engine.check_reversal(tolerance));
+        self.checked = Some(tolerance);
+        for lane in
+            (0..self.len()).filter(|&lane| self.moving[lane] && !self.crowded[lane]).collect::<Vec<_>>()
+        {
+            self.own.push((lane, self.engine.bodies(lane)));
+            self.crowded[lane] = true;
+        }
         Ok(())
     }
 

@@ -128,7 +128,7 @@ impl<const D: usize> SideBySide<D> {
             own,
             crowded_until,
             halvings: self.halvings,
-            way_back: self.way_back.clone(),
+            checked: self.checked,
         };
         let marks = allowing(again.hallmarks(false), &again.hallmarks(true));
         from.within("run", |from| from.same(&marks))?;
@@ -150,7 +150,7 @@ impl<const D: usize> SideBySide<D> {
         }
         // First: what flows do, and where lanes are, is of its steps.
         marks.insert(0, self.engine.method());
-        let checked = self.way_back.as_ref().map(|way_back| ("check_reversal", way_back.tolerance));
+        let checked = self.checked.map(|tolerance| ("check_reversal", tolerance));
         let options = of_options(checked.as_slice());
         marks.push(if checked.is_none() { options.later() } else { options });
         marks

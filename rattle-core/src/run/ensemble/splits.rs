@@ -46,21 +46,13 @@ impl Splits {
         Self { parts, stirred_kick: self.stages[0].before, ..self }
     }
 
-    /// The same in steps of −h, where flows act or do not; none where the method draws momenta.
-    pub(super) fn backwards(&self, flows: bool) -> Option<Self> {
-        let Self { ref stages, h, equal, sums, set, stirs_after, renewal, .. } = *self;
-        let back = Self::new(&backwards(stages), -h, equal, sums, set);
-        let back = if flows { back.stirred(stirs_after) } else { back };
-        renewal.is_none().then_some(back)
-    }
-
     pub(super) fn hallmark(&self) -> Hallmark {
         self.renewal
             .map_or_else(|| hallmark(&self.stages, self.stirs_after), |renewal| of_renewal(renewal, self.h))
     }
 }
 
-/// These stages, each of them backwards: those of a step of −h, since the method is symmetric.
+/// These stages, each of them backwards: those of a step of −h, of a symmetric method.
 pub(super) fn backwards(stages: &[Stage]) -> Vec<Stage> {
     let back = |&Stage { before, h, after }: &Stage| Stage { before: -before, h: -h, after: -after };
     stages.iter().map(back).collect()

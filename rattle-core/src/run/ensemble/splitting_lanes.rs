@@ -5,7 +5,7 @@ use crate::effect::list::Forces;
 use crate::effect::noise::Noise;
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
-use crate::motion::bodies::{Body, Saved};
+use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::course::kink_ahead;
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
@@ -27,6 +27,8 @@ use crate::run::ensemble::splits::{backwards, hallmark, without_first_kick};
 use crate::run::ensemble::stirred::{Stirs, limit, look_around, stirred_step};
 use crate::run::ensemble::stirring::Stirring;
 use crate::run::fingerprint::Looks;
+use crate::run::reversal::compare;
+use crate::run::trouble::Trouble;
 use crate::solve::crowd::EVERY;
 use std::any::Any;
 use std::hint::black_box;
@@ -44,6 +46,8 @@ pub(crate) struct SplittingLanes<S, X, const L: usize, const D: usize, const SUM
     stirring: Option<Box<Stirring<S, L, D>>>,
     account: Account,
     h: f64,
+    /// The tolerance to which steps are taken back.
+    checked: Option<f64>,
     set: Fusing,
 }
 
@@ -64,7 +68,7 @@ where
                 parts = Part::of::<EQUAL>(&without_first_kick(stages));
             }
         }
-        Self { block, laws, stages: stages.to_vec(), parts, stirring, account, h, set }
+        Self { block, laws, stages: stages.to_vec(), parts, stirring, account, h, checked: None, set }
     }
 }
 
@@ -83,48 +87,6 @@ struct Account {
 struct Desk<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
     block: Block<S, L, D, SUMS, EQUAL>,
     scratch: Scratch<S, L, D>,
-}
-
-/// Puts a trajectory into a lane.
-struct Setting<'a, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
-    block: &'a mut Block<S, L, D, SUMS, EQUAL>,
-    lane: usize,
-    laws: &'a X,
-    parts: &'a [Part],
-    q: [[S; D]; 2],
-    p: [[S; D]; 2],
-}
-
-impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
-    for Setting<'_, S, X, L, D, SUMS, EQUAL>
-{
-    type Done = bool;
-
-    #[inline(always)]
-    fn run(self) -> bool {
-        let Self { block, lane, laws, parts, q, p } = self;
-        block.set(lane, laws, parts, q, p)
-            && block.momentum(lane, laws, parts)[0].iter().all(|p| p.to_f64().is_finite())
-    }
-}
-
-/// The momentum in a lane.
-struct Momentum<'a, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
-    block: &'a Block<S, L, D, SUMS, EQUAL>,
-    lane: usize,
-    laws: &'a X,
-    parts: &'a [Part],
-}
-
-impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
-    for Momentum<'_, S, X, L, D, SUMS, EQUAL>
-{
-    type Done = [[S; D]; 2];
-
-    #[inline(always)]
-    fn run(self) -> [[S; D]; 2] {
-        self.block.momentum(self.lane, self.laws, self.parts)
-    }
 }
 
 impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Engine<D>
@@ -153,12 +115,11 @@ where
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
         let Body { q, q_low, p, p_low } = bodies[0].map(S::from_f64);
-        let Self { block, laws, parts, .. } = self;
-        let holds = self.set.run_narrow(Setting { block, lane, laws, parts, q: [q, q_low], p: [p, p_low] });
+        let holds = self.block.set(lane, &self.laws, &self.parts, [q, q_low], [p, p_low]);
         if const { X::Forces::FLOWS > 0 } {
             self.book(lane, self.account.work[lane]);
         }
-        holds
+        holds && self.block.momentum(lane, &self.laws, &self.parts)[0].iter().all(|p| p.to_f64().is_finite())
     }
 
     fn copy(&mut self, from: usize, to: usize) {
@@ -184,9 +145,8 @@ where
         }
     }
 
-    fn backwards(&self) -> Option<Box<dyn Engine<D>>> {
-        let after = self.stirring.as_ref().map_or(0, |stirring| stirring.rhythm.after);
-        Some(Box::new(Self::new(self.laws.clone(), &backwards(&self.stages), after, -self.h, self.set)))
+    fn check_reversal(&mut self, tolerance: f64) {
+        self.checked = Some(tolerance);
     }
 
     fn draw_as(&mut self, lane: usize, draws: Draws) {
@@ -209,9 +169,8 @@ where
     }
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
-        let Self { block, laws, parts, .. } = self;
-        let [q, q_low] = block.position(lane);
-        let [p, p_low] = self.set.run_narrow(Momentum { block, lane, laws, parts });
+        let ([q, q_low], [p, p_low]) =
+            (self.block.position(lane), self.block.momentum(lane, &self.laws, &self.parts));
         vec![Body { q, q_low, p, p_low }.map(S::to_f64)]
     }
 
@@ -223,8 +182,8 @@ where
         steps: u64,
         parts: u32,
         place: &mut u64,
-    ) -> Result<Moved<D>, Failure> {
-        let system = system_of(&self.laws, lane);
+    ) -> Result<Moved<D>, Trouble> {
+        let (system, checked) = (system_of(&self.laws, lane), self.checked);
         if const { X::Forces::FLOWS > 0 }
             && let Some(stirring) = &self.stirring
         {
@@ -232,9 +191,9 @@ where
             let at = |steps| (rhythm.noise(lane, from + steps), rhythm.now(lane, from + steps));
             let (after, work) = (rhythm.after, self.account.work[lane]);
             let stirred = StirredAlone { after, at: &at, place, work };
-            return by_itself::<S, _, D>(&system, &self.stages, Some(stirred), steps, parts, bodies);
+            return by_itself::<S, _, D>(&system, &self.stages, Some(stirred), steps, parts, bodies, checked);
         }
-        by_itself::<S, _, D>(&system, &self.stages, None, steps, parts, bodies)
+        by_itself::<S, _, D>(&system, &self.stages, None, steps, parts, bodies, checked)
     }
 
     fn kick_alone(&self, steps: u32) {
@@ -335,7 +294,7 @@ impl StirredAlone<'_> {
     }
 }
 
-/// Where bodies are after so many steps of these stages, each in so many equal parts.
+/// Where bodies are after so many steps of these stages, each in so many equal parts; and taken back, to a tolerance.
 #[cold]
 #[inline(never)]
 pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
@@ -345,7 +304,8 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
     steps: u64,
     parts: u32,
     places: &[Body<f64, D>],
-) -> Result<Moved<D>, Failure> {
+    checked: Option<f64>,
+) -> Result<Moved<D>, Trouble> {
     let number = stages.len();
     // With random numbers flows act on the whole step, and motion alone is divided.
     let around = parts > 1 && stirred.is_some() && draws(system);
@@ -360,54 +320,121 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
         of.after *= stages.len() / number;
     }
     let mut bodies = system.bodies(&in_lanes(places), 0.0);
-    let act = |stirred: &mut Option<StirredAlone<'_>>, of: usize, half, h, bodies: &mut _| {
-        if const { Y::FLOWS > 0 }
-            && let Some(stirred) = stirred.as_mut().filter(|stirred| stirred.after == of)
-        {
-            return stirred.act(half, h, system, bodies);
-        }
-        Ok(())
-    };
-    let (before, after) = (Some(Half::Before), Some(Half::After));
     let whole = if around { time * f64::from(parts) } else { time };
-    for step in 0..steps {
-        if step > 0 {
+    let mut step = Parts { system, stages: &stages, parts, around, whole, stirred };
+    let back = backwards(&stages);
+    for number in 0..steps {
+        if number > 0 {
             system.refresh(&mut bodies); // as where a run is divided: bits depend on no division
         }
         if const { Y::FLOWS > 0 }
-            && let Some(stirred) = &stirred
+            && let Some(stirred) = &step.stirred
         {
-            stirred.begin(step, around, system, &mut bodies);
+            stirred.begin(number, around, system, &mut bodies);
         }
         let start = bodies.saved();
-        let mut moved = || {
-            for part in 0..parts {
-                if !around || part == 0 {
-                    act(&mut stirred, 0, before, whole, &mut bodies)?;
-                }
-                for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
-                    system.drift(before, h, &mut bodies, &mut ())?;
-                    if after != 0.0 || stages[(i + 1) % stages.len()].before != 0.0 {
-                        system.evaluate_forces(&mut bodies);
-                    }
-                    system.settle(after, h, &mut bodies, &mut ())?;
-                    act(&mut stirred, i + 1, None, whole, &mut bodies)?;
-                }
-                if !around || part + 1 == parts {
-                    act(&mut stirred, 0, after, whole, &mut bodies)?;
-                }
-            }
-            Ok(())
-        };
-        if let Err(failure) = moved() {
+        if let Err(failure) = step.go(&mut bodies) {
             let h = time * f64::from(parts);
             return Err(of_a_kink_ahead(system, &start, &mut bodies, failure, |bodies| {
                 system.coast(h, bodies)
-            }));
+            })
+            .into());
         }
         system.check_kinks(&start, &bodies)?;
+        if let Some(tolerance) = checked {
+            let end = bodies.saved();
+            system.put_back(&mut bodies, &end); // the way back begins anew
+            let led = Parts { stages: &back, whole: -whole, stirred: step.stirred.take(), ..step };
+            step.stirred = led.come_back(&start, &mut bodies, tolerance)?;
+            system.put_back(&mut bodies, &end);
+        }
     }
     Ok((out_of_lanes(&bodies.all()), bodies.work.to_f64()))
+}
+
+/// A step of so many parts of these stages; with flows around all of them, or around each.
+struct Parts<'a, Y> {
+    system: &'a Y,
+    stages: &'a [Stage],
+    parts: u32,
+    around: bool,
+    /// For how long flows act.
+    whole: f64,
+    stirred: Option<StirredAlone<'a>>,
+}
+
+impl<'a, Y> Parts<'a, Y> {
+    fn go<S: Lane, const D: usize>(&mut self, bodies: &mut BodiesOf<Y, S, D>) -> Result<(), Failure>
+    where
+        Y: System<S, D>,
+    {
+        let Self { system, stages, parts, around, whole, .. } = *self;
+        for part in 0..parts {
+            if !around || part == 0 {
+                self.act(0, Some(Half::Before), whole, bodies)?;
+            }
+            for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
+                system.drift(before, h, bodies, &mut ())?;
+                if after != 0.0 || stages[(i + 1) % stages.len()].before != 0.0 {
+                    system.evaluate_forces(bodies);
+                }
+                system.settle(after, h, bodies, &mut ())?;
+                self.act(i + 1, None, whole, bodies)?;
+            }
+            if !around || part + 1 == parts {
+                self.act(0, Some(Half::After), whole, bodies)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn act<S: Lane, const D: usize>(
+        &mut self,
+        of: usize,
+        half: Option<Half>,
+        h: f64,
+        bodies: &mut BodiesOf<Y, S, D>,
+    ) -> Result<(), Failure>
+    where
+        Y: System<S, D>,
+    {
+        if const { Y::FLOWS > 0 }
+            && let Some(stirred) = self.stirred.as_mut().filter(|stirred| stirred.after == of)
+        {
+            return stirred.act(half, h, self.system, bodies);
+        }
+        Ok(())
+    }
+
+    /// Goes back to a start, and hands back how flows stir.
+    fn come_back<S: Lane, const D: usize>(
+        mut self,
+        start: &Saved<Y::Count, S, D>,
+        bodies: &mut BodiesOf<Y, S, D>,
+        tolerance: f64,
+    ) -> Result<Option<StirredAlone<'a>>, Trouble>
+    where
+        Y: System<S, D>,
+    {
+        let led = self.go(bodies).is_ok();
+        compare_lane(start, bodies, led, tolerance)?;
+        Ok(self.stirred)
+    }
+}
+
+/// Compares bodies in a lane's numbers as they were with what the way back led to.
+pub(super) fn compare_lane<N: Count, S: Lane, K, const D: usize>(
+    was: &Saved<N, S, D>,
+    is: &Bodies<N, S, K, D>,
+    led: bool,
+    tolerance: f64,
+) -> Result<(), Trouble> {
+    compare(
+        is.q.as_ref().len(),
+        |i| [was.body(i), is.body(i)].map(|body| body.map(S::to_f64)),
+        led,
+        tolerance,
+    )
 }
 
 /// Why bodies could not be moved from their start: a kink where they would coast, if there is one.

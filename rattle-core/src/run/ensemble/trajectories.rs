@@ -289,10 +289,9 @@ impl<const D: usize> Ensemble<D> {
     /// A trajectory whose step does not lead back fails, or takes it in parts if there is [`retry`](Self::retry). A
     /// hybrid Monte Carlo method rejects such a proposal.
     ///
-    /// In lanes a step is looked at as from a start, taken, and taken back. A trajectory that does not come back takes
-    /// this step and the next ones by itself, as a simulation does, and is judged by that; the others keep the bits
-    /// that they have without the check. A step in lanes costs more than one of a simulation that is checked, by half:
-    /// lanes are set anew each time. What is saved is what goes without the check.
+    /// Lanes look less closely at a step than simulations do, so that a step that is taken might be refused on the way
+    /// back. So all trajectories go by themselves from then on, each in the time of a checked simulation or somewhat
+    /// more, spread over all cores.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle};
@@ -303,8 +302,7 @@ impl<const D: usize> Ensemble<D> {
     /// ```
     ///
     /// # Errors
-    /// Those of a simulation. In a [`Single`](crate::run::ensemble::Single) ensemble a tolerance below 1e-6 has nearly
-    /// all steps taken by simulations.
+    /// Those of a simulation.
     #[doc(alias = "time reversal")]
     #[doc(alias = "reversibility")]
     pub fn check_reversal(mut self, tolerance: f64) -> Result<Self, Error> {

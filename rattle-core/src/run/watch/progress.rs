@@ -3,7 +3,7 @@
 use crate::run::watch::observer::Observer;
 use crate::run::watch::sight::Sight;
 
-/// Calls a closure after every `every` sights with the number of sights since the last call, and at the end of the run
+/// Calls a closure after every `every` sights with the number of sights since the last call, and when it is dropped
 /// with the rest.
 ///
 /// A sight is one observation: a simulation that is observed after every k-th step has steps/k sights, an ensemble as
