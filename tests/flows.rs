@@ -489,9 +489,15 @@ fn rigid_bodies_have_drag() {
     assert!((simulation.momentum()[2] - 3.0 * (-1.0_f64).exp()).abs() < 1e-14);
 }
 
-/// Nothing touches a rigid body: it has no normal force. Its momentum turns with it, and keeps its length.
+/// Nothing touches a rigid body or a free point: they have no normal force. A momentum turns with its body, and keeps
+/// its length.
 #[test]
-fn rigid_bodies_have_no_dry_friction() {
+fn what_nothing_touches_has_no_dry_friction() {
+    let point = Scene::point::<3>().with(DryFriction { coefficient: 0.5 });
+    let mut free = point.simulate(State::at([0.0; 3]).moving([0.3, 0.1, 1.0]), Rattle::new(0.01)).unwrap();
+    free.run(100).unwrap();
+    assert_eq!((free.momentum().as_slice(), free.work()), (&[0.3, 0.1, 1.0][..], 0.0));
+
     let body = Scene::rigid(Rigid::new([0.5, 0.5, 0.2])).with(DryFriction { coefficient: 0.1 });
     let start = Rigid::start(&Matrix3::identity(), &Vector3::new(0.3, 0.1, 1.0));
     let mut simulation = body.simulate(start, Rattle::new(0.01)).unwrap();

@@ -2,8 +2,9 @@
 
 use crate::common::*;
 use rattle::bodies::One;
+use rattle::error::{EffectMistake, Error, StartFailure};
 use rattle::links::RotationMatrix;
-use rattle::nalgebra::{Matrix3, SVector, Vector3};
+use rattle::nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 use rattle::prelude::*;
 use rattle::system::System;
 
@@ -81,4 +82,91 @@ fn three_formulations_are_one_motion() {
         assert!(distance(six, reduced) < 1e-12, "{:e}", distance(six, reduced));
         assert!(distance(nine, six) < 1e-12, "{:e}", distance(nine, six));
     }
+}
+
+/// The nine entries of a matrix that is a rotation but for 5 % of its own, times a number.
+fn nearly_a_rotation(size: f64) -> State<9> {
+    let turn = Rotation3::from_euler_angles(0.3, 0.5, -1.0);
+    let skewed = Matrix3::new(1.0, 0.1, 0.0, 0.0, 1.0, -0.1, 0.05, 0.0, 1.1) * turn.matrix();
+    State::at(Rigid::coordinates(&(skewed * size)))
+}
+
+/// What is straightened is the direction of the axes: squares of entries may be beyond the numbers.
+#[test]
+fn attitudes_of_any_size_are_straightened() {
+    let body = Scene::rigid(Rigid::new(MOMENTS));
+    let attitude = |size: f64| body.project(&nearly_a_rotation(size)).unwrap().positions().next().unwrap();
+    for size in [1e-300, 1e-160, 1e-100, 1e100, 1e154, 1e200, 1e307] {
+        let off = (attitude(size) - attitude(1.0)).amax();
+        assert!(off < 1e-15, "{size:e}: {off:e}");
+    }
+    let mirrored = nearly_a_rotation(-1e200);
+    for state in [mirrored, State::at([0.0; 9]), State::at([1e200; 9]), State::at([1e-200; 9])] {
+        let error = body.project(&state).unwrap_err();
+        let Error::Start { body: 0, cause: StartFailure::NoAttitude { determinant, deviation } } = error
+        else {
+            panic!("{error}");
+        };
+        assert!(!determinant.is_nan() && deviation > 0.9, "{determinant} {deviation}");
+    }
+}
+
+/// `project` makes no angular momentum of the first three entries of another momentum.
+#[test]
+fn momenta_of_a_matrix_are_refused() {
+    let (body, upright) = (Rigid::new(MOMENTS), Matrix3::identity());
+    let moving =
+        State::at(Rigid::coordinates(&upright)).moving(body.matrix_momenta(&upright, &angular_momentum()));
+    let scene = Scene::rigid(body);
+    for error in
+        [scene.project(&moving).unwrap_err(), scene.simulate(moving.clone(), Rattle::new(0.1)).unwrap_err()]
+    {
+        let cause = StartFailure::NoAngularMomentum;
+        assert!(error.to_string().contains("angular_momentum_of_matrix"), "{error}");
+        assert_eq!(error, Error::Start { body: 0, cause });
+    }
+}
+
+force! {
+    /// A pull on the last entry of the attitude, as if a force on a rigid body were one on its coordinates.
+    struct Pull { f }
+    |_q: [f64; 9]| [0, 0, 0, 0, 0, 0, 0, 0, -f]
+}
+
+force! {
+    /// A torque about the third axis, and what is none at the identity alone.
+    struct Stray { torque, f }
+    |q: [f64; 9], v: [f64; 9]| [0, 0, torque - v[2], f * q[1], 0, 0, f * q[5], 0, -v[8]]
+}
+
+/// The first three components of a force are a torque. What else there is at the start is refused, and moves nothing
+/// later: the motion is that of the torque alone, and its states are starts.
+#[test]
+fn torques_have_three_components() {
+    let body = Scene::rigid(Rigid::new(MOMENTS));
+    let start = || Rigid::start(&Matrix3::identity(), &angular_momentum());
+    let pulled = body.with(Pull { f: 0.7 });
+    let alone = pulled.simulate(start(), Rattle::new(0.05)).unwrap_err();
+    assert!(alone.to_string().contains("`Pull`: on body 0 it is [0.0, 0.0, 0.0, 0.0,"), "{alone}");
+    let several = pulled.ensemble(vec![start(); 2], Rattle::new(0.05)).unwrap_err();
+    assert_eq!(several.to_string(), format!("trajectory 0: {alone}"));
+    let mistake =
+        EffectMistake::NoTorque { body: 0, force: vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -0.7] };
+    assert_eq!(alone, Error::Effect { effect: "Pull", mistake });
+    assert!(body.with(Pull { f: f64::INFINITY }).simulate(start(), Rattle::new(0.05)).is_err());
+    assert!(body.with(Pull { f: 0.0 }).simulate(start(), Rattle::new(0.05)).is_ok());
+
+    let end = |f: f64| {
+        let scene = body.with(Stray { torque: 0.3, f });
+        let mut simulation = scene.simulate(start(), Rattle::new(0.05)).unwrap();
+        simulation.run(40).unwrap();
+        assert_eq!(simulation.momentum().as_slice()[3..], [0.0; 6]);
+        let again = scene.simulate(simulation.state(), Rattle::new(0.05));
+        assert_eq!(again.is_err(), f != 0.0); // it is no torque there
+        assert!(body.simulate(simulation.state(), Rattle::new(0.05)).is_ok());
+        [simulation.position(), simulation.momentum()]
+    };
+    let (stray, torque) = (end(0.8), end(0.0));
+    let off = [0, 1].map(|i| (stray[i] - torque[i]).amax());
+    assert!(off.iter().all(|off| *off < 1e-14), "{off:?}");
 }

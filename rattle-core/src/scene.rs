@@ -294,8 +294,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// beyond, by some roundings, if the momentum is more nearly tangent to that one.
     ///
     /// # Errors
-    /// [`Error::Start`] where no such position is found, or the input is not finite; [`Error::BodyCount`] for a state
-    /// with another number of bodies.
+    /// [`Error::Start`] where no such position is found, the input is not finite, or momenta of a rigid body are more
+    /// than an angular momentum; [`Error::BodyCount`] for a state with another number of bodies.
     #[doc(alias = "initial condition")]
     #[doc(alias = "consistent")]
     pub fn project(&self, state: &State<D>) -> Result<State<D>, Error> {

@@ -122,10 +122,15 @@ impl Page {
             r#"{{"times":{times:?},"deepest":{deepest:e},"film":{film:e},"lift":{lift},"seconds":{seconds},"length":{length},"time":{time},"#
         );
         let _ = write!(data, r#""points":"{points}","triangles":"{triangles}","depths":"{depths}"}}"#);
-        Ok(include_str!("page.html")
-            .replace("__TITLE__", &escaped(&self.title))
-            .replace("__CAPTION__", &escaped(&self.caption))
-            .replace("__DATA__", &data))
+        let (title, caption) = (escaped(&self.title), escaped(&self.caption));
+        // All at once: what is put in may look like a place where something is put in.
+        let parts = include_str!("page.html").split("__").map(|part| match part {
+            "TITLE" => &title,
+            "CAPTION" => &caption,
+            "DATA" => &data,
+            other => other,
+        });
+        Ok(parts.collect())
     }
 
     /// Writes the page to a file.

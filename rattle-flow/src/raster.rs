@@ -49,7 +49,7 @@ impl Raster {
 
     /// Reads an ASCII grid from the text of a file. Cells of the height `NODATA_value` are without data; where the file
     /// does not name it, this is −9999, as ESRI defines it. Where it is above 10³⁰ in size, as −3.4e38 is, the first
-    /// six digits decide.
+    /// six digits decide. A word of the header that is there twice is refused.
     ///
     /// ```
     /// use rattle_flow::Raster;
@@ -65,31 +65,37 @@ impl Raster {
     /// [`ReadError`], with the number of the line.
     pub fn parse(text: &str) -> Result<Raster, ReadError> {
         let mut words = Words::of(text);
-        let (mut columns, mut rows, mut cell) = (None, None, None);
-        let (mut x, mut y, mut none) = (None, None, NONE);
+        let (mut columns, mut rows, mut cell) = (None::<usize>, None::<usize>, None::<f64>);
+        let (mut x, mut y, mut none) = (None, None, None);
         let mut sides = [None; 2];
         let start = loop {
             let Some(word) = words.next() else { return Err(words.wrong("heights", "")) };
             match word.to_ascii_lowercase().as_str() {
-                "ncols" => columns = Some(words.number::<usize>("the number of columns")?),
-                "nrows" => rows = Some(words.number::<usize>("the number of rows")?),
-                "cellsize" => cell = Some(side(&mut words)?),
-                "dx" => sides[0] = Some(side(&mut words)?),
-                "dy" => sides[1] = Some(side(&mut words)?),
-                "xllcorner" => x = Some((coordinate(&mut words)?, 0.5)),
-                "yllcorner" => y = Some((coordinate(&mut words)?, 0.5)),
-                "xllcenter" => x = Some((coordinate(&mut words)?, 0.0)),
-                "yllcenter" => y = Some((coordinate(&mut words)?, 0.0)),
-                "nodata_value" => none = words.number::<f64>("the height that is none")?,
+                "ncols" => once(&mut columns, word, &mut words, |it| it.number("the number of columns"))?,
+                "nrows" => once(&mut rows, word, &mut words, |it| it.number("the number of rows"))?,
+                "cellsize" => once(&mut cell, word, &mut words, side)?,
+                "dx" => once(&mut sides[0], word, &mut words, side)?,
+                "dy" => once(&mut sides[1], word, &mut words, side)?,
+                "xllcorner" => once(&mut x, word, &mut words, |it| Ok((coordinate(it)?, 0.5)))?,
+                "yllcorner" => once(&mut y, word, &mut words, |it| Ok((coordinate(it)?, 0.5)))?,
+                "xllcenter" => once(&mut x, word, &mut words, |it| Ok((coordinate(it)?, 0.0)))?,
+                "yllcenter" => once(&mut y, word, &mut words, |it| Ok((coordinate(it)?, 0.0)))?,
+                "nodata_value" => {
+                    once(&mut none, word, &mut words, |it| it.number::<f64>("the height that is none"))?;
+                }
                 _ => break word,
             }
             if let [Some(dx), Some(dy)] = sides {
+                if let Some(cell) = cell.filter(|cell| *cell != dx || *cell != dy) {
+                    return Err(words.wrong(SQUARES, &format!("cellsize {cell}, dx {dx} and dy {dy}")));
+                }
                 if dx != dy {
                     return Err(words.wrong(SQUARES, &format!("dx {dx} and dy {dy}")));
                 }
-                cell = Some(dx);
             }
         };
+        let cell = cell.or(if let [Some(dx), Some(_)] = sides { Some(dx) } else { None });
+        let none = none.unwrap_or(NONE);
         let columns = columns.ok_or(ReadError::Missing { section: "ncols" })?;
         let rows = rows.ok_or(ReadError::Missing { section: "nrows" })?;
         let cell = cell.ok_or(ReadError::Missing { section: "cellsize" })?;
@@ -121,9 +127,10 @@ impl Raster {
     }
 
     /// The height at a position: bilinear between the centres of cells; NaN outside of these, and where one of the four
-    /// cells has no data.
+    /// cells has no data. What is at the centre of a cell but for rounding, as vertices of the [mesh](Self::mesh) are,
+    /// has the height of this cell, whatever is beside it.
     pub fn height(&self, place: [f64; 2]) -> f64 {
-        let [u, v] = [0, 1].map(|i| (place[i] - self.first[i]) / self.cell);
+        let [u, v] = [0, 1].map(|i| in_cells(place[i], self.first[i], self.cell));
         let (right, top) = ((self.columns - 1) as f64, (self.rows - 1) as f64);
         let inside = (0.0..=right).contains(&u) && (0.0..=top).contains(&v);
         if !inside {
@@ -186,6 +193,29 @@ fn side(words: &mut Words) -> Result<f64, ReadError> {
 fn coordinate(words: &mut Words) -> Result<f64, ReadError> {
     let place = words.number::<f64>("a coordinate")?;
     if place.is_finite() { Ok(place) } else { Err(words.wrong("a finite coordinate", &place.to_string())) }
+}
+
+/// A word of the header with what it says, of which there is one.
+fn once<'a, T>(
+    said: &mut Option<T>,
+    word: &str,
+    words: &mut Words<'a>,
+    what: impl FnOnce(&mut Words<'a>) -> Result<T, ReadError>,
+) -> Result<(), ReadError> {
+    if said.is_some() {
+        return Err(words.wrong("each word of the header once (leave one of the two out)", word));
+    }
+    *said = Some(what(words)?);
+    Ok(())
+}
+
+/// How many cells a coordinate lies behind the first centre: a whole number where rounding may hide that it is one.
+fn in_cells(place: f64, first: f64, cell: f64) -> f64 {
+    let cells = (place - first) / cell;
+    // Of a coordinate that was rounded after it was made of these, and of the two operations above.
+    let rounding = 4.0 * f64::EPSILON * ((place.abs() + first.abs()) / cell + cells.abs());
+    let whole = cells.round();
+    if (cells - whole).abs() <= rounding { whole } else { cells }
 }
 
 /// a + s (b − a), and a or b itself at the ends, whatever the other is.

@@ -396,3 +396,66 @@ fn geotiff_that_is_no_terrain_is_refused() {
         }
     }
 }
+
+/// As far as rounding goes: corners with decimals, thirds of metres, far from zero as on maps, and beside no data.
+#[test]
+fn a_raster_has_its_heights_at_the_vertices_of_its_mesh() {
+    let mut state = 7_u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / 2_f64.powi(53)
+    };
+    let cells = [0.1, 0.2, 0.3, 1.0 / 3.0, 0.7, 1.0, 12.5];
+    for i in 0..700 {
+        let (cell, far, lost) = (cells[i % 7], [10.0, 6e6][i / 7 % 2], [0.0, 0.1][i / 14 % 2]);
+        let [columns, rows] = [(); 2].map(|()| 2 + (10.0 * random()) as usize);
+        let [x, y] = [(); 2].map(|()| (100.0 * far * (random() - 0.5)).round() / 100.0);
+        let mut text = format!("ncols {columns} nrows {rows} xllcorner {x} yllcorner {y} cellsize {cell} ");
+        for _ in 0..columns * rows {
+            text += &if random() < lost { "-9999 ".to_owned() } else { format!("{} ", random()) };
+        }
+        let raster = Raster::parse(&text).unwrap();
+        let Ok((mesh, heights)) = raster.mesh() else {
+            assert!(lost > 0.0, "{text}");
+            continue;
+        };
+        let read: Vec<f64> = mesh.points().iter().map(|place| raster.height(*place)).collect();
+        assert_eq!(read, heights, "{text}");
+        let [x, y] = mesh.points()[0];
+        assert!(lost > 0.0 || raster.height([x - 1e-6 * cell, y]).is_nan(), "{text}");
+    }
+}
+
+/// Of two words only one can be meant; the second is named.
+#[test]
+fn a_header_says_everything_once() {
+    let twice = [
+        ("cellsize 2", 6, "cellsize"),
+        ("NCOLS 2", 6, "NCOLS"),
+        ("nrows 4", 6, "nrows"),
+        ("xllcenter 0.5", 6, "xllcenter"),
+        ("yllcorner 0", 6, "yllcorner"),
+        ("dx 1\ndx 1", 7, "dx"),
+        ("NODATA_value 1\nnodata_value 2", 7, "nodata_value"),
+        ("dx 2\ndy 2", 7, "cellsize 1, dx 2 and dy 2"),
+    ];
+    for (more, line, word) in twice {
+        let error = Raster::parse(&grid(&format!("{more}\n"), "1 2\n3 4\n")).unwrap_err();
+        assert!(
+            matches!(&error, ReadError::Word { line: l, found, .. } if *l == line && found == word),
+            "{error}"
+        );
+    }
+    assert!(Raster::parse(&grid("dx 1\ndy 1\n", "1 2\n3 4\n")).is_ok());
+}
+
+/// What a page is told is shown as it is, though it looks like a place where other things are put.
+#[test]
+fn a_page_says_what_it_is_told() {
+    let flow = Flow::over(Mesh::from_gmsh(SQUARE).unwrap(), Resistance::Manning);
+    let page = Page::new("__CAPTION__ & __DATA__", &flow).caption("of __DATA__, __TITLE__");
+    let html = page.to_html().unwrap();
+    assert!(html.contains("<title>__CAPTION__ &amp; __DATA__</title>"));
+    assert!(html.contains("<h1>__CAPTION__ &amp; __DATA__</h1><p>of __DATA__, __TITLE__</p>"));
+    assert_eq!(html.matches("\"triangles\":").count(), 1);
+}

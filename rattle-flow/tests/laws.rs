@@ -28,6 +28,23 @@ fn linear_depth_has_its_volume() {
     }
 }
 
+/// Functions that are linear in each triangle come back from a projection, and others keep their integral.
+#[test]
+fn a_projection_is_exact_where_it_can_be() {
+    for spacing in [0.3, 0.07] {
+        let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        let mesh = Mesh::polygon(&corners, spacing).unwrap();
+        for (constant, x, y) in [(3.0, 0.0, 0.0), (0.5, 1.0, -2.0), (1e3, -2.0, 7.0)] {
+            let f = |place: [f64; 2]| constant + x * place[0] + y * place[1];
+            let exact = mesh.at_vertices(f);
+            let off = mesh.projected(f).iter().zip(&exact).map(|(h, f)| (h - f).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-13 * (constant + 10.0), "{spacing} {constant}: {off:e}");
+        }
+        let square = mesh.volume(&mesh.projected(|[x, y]| x * x + y)).unwrap(); // 3 + 5/2 over the L
+        assert!((square - 5.5).abs() < 1e-3, "{square}");
+    }
+}
+
 #[test]
 fn the_drop_spreads_in_one_dimension_at_first_order() {
     let (coarse, fine) = (&[100, 200][..], &[100, 200, 400][..]);

@@ -109,7 +109,8 @@ pub fn potential(input: TokenStream) -> TokenStream {
 /// on several bodies, for `.over(members)`, takes the coordinates of all of them, then the velocities of all, and has D
 /// components for each body. The force is added to ṗ. A rigid body has nine coordinates: there the first three of nine
 /// components are the torque, and the first three of nine velocities the angular velocity, both in the frame of the
-/// body. The macro also writes ∂f/∂v, for the implicit steps of stiff friction.
+/// body; the other components of the force are 0, as the other velocities are. The macro also writes ∂f/∂v, for the
+/// implicit steps of stiff friction.
 #[doc(alias = "motor")]
 #[proc_macro]
 pub fn force(input: TokenStream) -> TokenStream {

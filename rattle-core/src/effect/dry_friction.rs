@@ -28,6 +28,10 @@ use std::array::from_fn;
 /// impose: what a lift carries up does not slide; where they are curved too, friction is of first order. Where time
 /// runs back a body at rest is an error, `FlowNotFound`: what it did before is not known.
 ///
+/// Nothing presses on a free point, on a body that no link holds, or on a [rigid body](crate::systems::rigid::Rigid),
+/// which turns about its centre: there N = 0, and dry friction does nothing. For these there is
+/// [`LinearDrag`](crate::effect::LinearDrag), or a force of one's own.
+///
 /// ```
 /// use rattle::effect::DryFriction;
 /// use rattle::potentials::Gravity;

@@ -71,8 +71,9 @@ pub trait Flow<const D: usize>: Clone + Send + Sync + 'static {
 
     /// Writes the change Φₕ(p; q, t) − p of the momentum of every body in a time h, in the unit of momentum. (A change
     /// has smaller rounding errors than a new momentum.) Parts that would move a pinned body, or violate the
-    /// constraints, are removed afterwards. For a rigid body only the first three components count. Neither allocates
-    /// nor panics.
+    /// constraints, are removed afterwards. For a rigid body the first three components are those of the angular
+    /// momentum, and the others have to be 0: a scene refuses a flow where they are not at the start, and later they do
+    /// not count. Neither allocates nor panics.
     fn flow<T: Real>(&self, during: &Interval<'_, T, D>, changes: &mut [[T; D]]);
 
     /// The flow in a time `h` as an Ornstein–Uhlenbeck process, if it is one: [`flow`](Self::flow) then writes

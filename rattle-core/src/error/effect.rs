@@ -41,6 +41,18 @@ pub enum EffectMistake {
         /// The heading that was given.
         heading: Vec<f64>,
     },
+    /// A force on a rigid body that is more than a torque: only the first three of nine components may be nonzero.
+    #[error(
+        "on body {body} it is {force:?}; of the nine components of a force on a rigid body the first three are the \
+         torque, in the frame of the body, and the others have to be 0 (a force F on the entries of the attitude Q has \
+         the torque (QᵀF − FᵀQ)ˇ)"
+    )]
+    NoTorque {
+        /// Which body.
+        body: usize,
+        /// The force.
+        force: Vec<f64>,
+    },
     /// A negative step size, with random forces, which do not run backwards.
     #[error(
         "what is random is not undone by a step of −h: a positive step size is needed, and no check of reversal"

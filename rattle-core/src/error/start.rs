@@ -1,7 +1,7 @@
 //! Errors of starts.
 
 use crate::error::network::EquationAt;
-use crate::error::numbers::{History, Short};
+use crate::error::numbers::{Digits, History, Short};
 use crate::error::phase::PhaseMistake;
 
 /// What is wrong with a start.
@@ -195,8 +195,9 @@ pub enum StartFailure {
     },
     /// Nine numbers that are not a rotation matrix.
     #[error(
-        "no attitude: QᵀQ is off from 1 by {deviation:.1e} (allowed 1e-10), det Q = {determinant:.3}; it must be a rotation; \
-         `scene.project(state)` straightens what is nearly one"
+        "no attitude: QᵀQ is off from 1 by {deviation:.1e} (allowed 1e-10), det Q = {}; it must be a rotation; \
+         `scene.project(state)` straightens what is nearly one",
+        Digits(*.determinant, 3)
     )]
     NoAttitude {
         /// det Q.
@@ -205,7 +206,10 @@ pub enum StartFailure {
         deviation: f64,
     },
     /// The momenta of a rigid body are more than an angular momentum: only the first three may be nonzero.
-    #[error("momenta of a rigid body are its angular momentum and six zeros; see `Rigid::start`")]
+    #[error(
+        "momenta of a rigid body are its angular momentum and six zeros; see `Rigid::start`, and \
+         `Rigid::angular_momentum_of_matrix` for momenta of a matrix"
+    )]
     NoAngularMomentum,
     /// A pinned body starts at another position, or with a momentum.
     #[error(

@@ -2,6 +2,7 @@
 
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
+use crate::effect::noise::Noise;
 use crate::error::EffectMistake;
 use crate::motion::bodies::{Bodies, Saved};
 use crate::motion::failure::Failure;
@@ -63,6 +64,53 @@ pub trait Affected<T: Scalar, const D: usize>: Parts<T, D> {
         changes: &mut [[T; D]],
     ) {
         self.show(given, bodies, |effects, during, room| effects.flow(number, during, room, changes));
+        if const { Self::MOMENTA < D } {
+            changes.iter_mut().for_each(|change| change[Self::MOMENTA..].fill(T::from_f64(0.0)));
+        }
+    }
+
+    /// Checks that flows change momenta of the [kind of this system](Parts::MOMENTA) at the start of a run, by steps of
+    /// about this size. Flows that feel forces are not asked: there are none yet.
+    ///
+    /// # Errors
+    /// The name of the type of a flow that changes others, and by what force.
+    fn check_flows(
+        &self,
+        h: f64,
+        bodies: &BodiesOf<Self, T, D>,
+    ) -> Result<(), (&'static str, EffectMistake)> {
+        if const { Self::FLOWS == 0 || Self::MOMENTA == D } {
+            return Ok(());
+        }
+        let h = 2.0_f64.powi(h.abs().log2().floor() as i32).copysign(h); // forces are told as they are
+        let mut bodies = bodies.clone();
+        if const { Self::REMEMBERS } {
+            bodies.marks = self.first_marks(&bodies)?;
+        }
+        let (n, inertia) = (bodies.q.as_ref().len(), self.inertia());
+        let velocities: Vec<_> =
+            (0..n).map(|body| inertia.velocity(body, &bodies.p.as_ref()[body])).collect();
+        let mut changes = vec![[T::from_f64(0.0); D]; n];
+        for number in 0..Self::FLOWS {
+            let (manner, effect) = self.effects().manner(number);
+            if manner.feels {
+                continue;
+            }
+            let noise = Noise { effect: number as u64, ..bodies.noise };
+            let given = Given { velocities: &velocities, ..Given::of(h, true, noise) };
+            self.show(given, &mut bodies, |effects, during, room| {
+                effects.flow(number, during, room, &mut changes);
+            });
+            for (body, change) in changes.iter().enumerate() {
+                let force = change.map(|change| change.to_f64() / h);
+                let (turning, others) = force.split_at(Self::MOMENTA);
+                // One that is not finite at all is found in the step.
+                if turning.iter().all(|x| x.is_finite()) && others.iter().any(|&x| x != 0.0) {
+                    return Err((effect, EffectMistake::NoTorque { body, force: force.to_vec() }));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The memory of the effects at the start of a run, at the present positions and random numbers.

@@ -28,6 +28,9 @@ pub trait Parts<T: Scalar, const D: usize>: Clone + Send + Sync + 'static {
     /// The effects of the scene; `()` where a system can have none.
     type Effects: Forces<T, D>;
 
+    /// The first so many components of a momentum are in use; the others are 0, and no effect changes them.
+    const MOMENTA: usize = D;
+
     /// The kind of system in words, for error messages: "a rigid body".
     fn kind(&self) -> &'static str;
     /// The number of equations g = 0, and of multipliers.
@@ -61,7 +64,7 @@ pub trait Parts<T: Scalar, const D: usize>: Clone + Send + Sync + 'static {
         Ok(())
     }
 
-    /// M⁻¹p of a body.
+    /// q̇ of a body: M⁻¹p; of a rigid body the rate of its attitude, in phase space that of H with its constraint.
     fn velocity<X>(&self, bodies: &Bodies<Self::Count, T, X, D>, body: usize) -> [T; D];
     /// Masses, in the coordinates of the momenta; by default unit masses.
     fn inertia(&self) -> &dyn Inertia<T, D> {

@@ -6,6 +6,7 @@ use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::error::{EffectMistake, Error, StartFailure};
 use crate::methods::able::{no_way_back, view};
+use crate::motion::affected::Affected;
 use crate::motion::bodies::{Body, Count};
 use crate::motion::failure::Failure;
 use crate::motion::hold::Hold;
@@ -106,6 +107,10 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             no_way_back(&system)?;
         }
         self.check_forces(&start.bodies, start.time)?;
+        if const { <C::System<E, N> as Parts<f64, D>>::MOMENTA < D } {
+            let checked = system.check_flows(method.step_size(), &bodies_at(&system, start));
+            checked.map_err(|(effect, mistake)| Error::Effect { effect, mistake })?;
+        }
         Ok(system)
     }
 

@@ -280,7 +280,7 @@ impl<const D: usize> BoxedSimulation<D> {
         (0..self.bodies()).map(|body| self.0.body(body)[1])
     }
 
-    /// Velocities M⁻¹p of the bodies in order.
+    /// Velocities q̇ = M⁻¹p of the bodies in order; for a rigid body the nine entries of Q̇ = Q Ω̂, row by row.
     pub fn velocities(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         (0..self.bodies()).map(|body| self.0.body(body)[2])
     }

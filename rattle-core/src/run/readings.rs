@@ -73,7 +73,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         vectors(self.bodies.p.as_ref())
     }
 
-    /// Velocities M⁻¹p of the bodies in order.
+    /// Velocities q̇ = M⁻¹p of the bodies in order; for a rigid body the nine entries of Q̇ = Q Ω̂, row by row.
     pub fn velocities(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         (0..self.bodies()).map(|i| self.system.velocity(&self.bodies, i).into())
     }
@@ -252,7 +252,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.bodies.p.as_ref()[0].into()
     }
 
-    /// The velocity M⁻¹p of the only body.
+    /// The velocity q̇ = M⁻¹p of the only body; for a rigid body the nine entries of Q̇ = Q Ω̂, row by row.
     pub fn velocity(&self) -> SVector<f64, D>
     where
         Y::Count: Alone,

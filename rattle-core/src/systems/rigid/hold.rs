@@ -13,6 +13,9 @@ use crate::systems::rigid::body::turning_part;
 use crate::systems::rigid::kept::Turning;
 use nalgebra::{Matrix3, Vector3};
 
+/// Matrices that lengthen one direction by less than this part of another have no rotation that is clearly the nearest.
+const SINGULAR: f64 = 1e-3;
+
 impl Hold<9> for Rigid {
     type System<E: Effects<9>, N: Count> = Turning<E::Forces<f64>, N>;
 
@@ -48,23 +51,35 @@ impl Hold<9> for Rigid {
         for (number, body) in state.bodies.iter_mut().enumerate() {
             let nowhere = |cause| Error::Start { body: number, cause };
             finite("position", &body.q).and_then(|()| finite("momentum", &body.p)).map_err(nowhere)?;
-            let svd = Self::attitude(&body.q).svd(true, true);
-            let (Some(u), Some(v)) = (svd.u, svd.v_t) else {
-                return Err(nowhere(StartFailure::NoAttitude { determinant: f64::NAN, deviation: f64::NAN }));
-            };
-            let attitude = u * v;
-            let determinant = attitude.determinant();
-            if determinant < 0.0 || svd.singular_values.min() <= 1e-3 * svd.singular_values.max() {
-                let deviation = (svd.singular_values - Vector3::repeat(1.0)).amax();
-                let determinant = Self::attitude(&body.q).determinant();
-                return Err(nowhere(StartFailure::NoAttitude { determinant, deviation }));
-            }
+            turns_alone(&body.p).map_err(nowhere)?;
+            let attitude = straightened(&Self::attitude(&body.q)).map_err(nowhere)?;
             body.q = Self::coordinates(&attitude);
-            body.p[3..].fill(0.0);
             (body.q_low, body.p_low) = ([0.0; 9], [0.0; 9]);
         }
         Ok(state)
     }
+}
+
+/// The rotation that is nearest to a matrix, whatever the size of its entries.
+fn straightened(matrix: &Matrix3<f64>) -> Result<Matrix3<f64>, StartFailure> {
+    let largest = matrix.amax();
+    let size = if largest > 0.0 { largest } else { 1.0 };
+    let matrix = matrix / size; // squares of entries are numbers then
+    let svd = matrix.svd(true, true);
+    let [least, most] = [svd.singular_values.min(), svd.singular_values.max()];
+    if let (Some(u), Some(v)) = (svd.u, svd.v_t)
+        && least > SINGULAR * most
+        && (u * v).determinant() > 0.0
+    {
+        return Ok(u * v);
+    }
+    let deviation = (svd.singular_values * size - Vector3::repeat(1.0)).amax();
+    Err(StartFailure::NoAttitude { determinant: matrix.determinant() * size * size * size, deviation })
+}
+
+/// Whether momenta are an angular momentum and six zeros.
+fn turns_alone(momenta: &[f64; 9]) -> Result<(), StartFailure> {
+    if momenta[3..] == [0.0; 6] { Ok(()) } else { Err(StartFailure::NoAngularMomentum) }
 }
 
 fn check(state: &Body<f64, 9>) -> Result<(), StartFailure> {
@@ -76,8 +91,5 @@ fn check(state: &Body<f64, 9>) -> Result<(), StartFailure> {
     if deviation > START_TOLERANCE || determinant < 0.0 {
         return Err(StartFailure::NoAttitude { determinant, deviation });
     }
-    if state.p[3..] != [0.0; 6] {
-        return Err(StartFailure::NoAngularMomentum);
-    }
-    Ok(())
+    turns_alone(&state.p)
 }

@@ -37,6 +37,8 @@ impl<F: Forces<f64, 9>, N: Count> Parts<f64, 9> for Turning<F, N> {
     type Kept = Kept<F>;
     type Effects = F;
 
+    const MOMENTA: usize = 3;
+
     fn kind(&self) -> &'static str {
         REDUCED
     }
