@@ -145,3 +145,94 @@ fn equations_that_do_not_commute_are_told_by_projections() {
     let error = Scene::in_phase_space(Two {}, Free {}).project(&start).err().unwrap().to_string();
     assert!(error.contains("not coisotropic"), "{error}");
 }
+
+hamiltonian! {
+    /// A weight, along any direction.
+    struct Weight { x, y, z }
+    |q: [f64; 3], p: [f64; 3]| dot(p, p) / 2 + x * q[0] + y * q[1] + z * q[2]
+}
+
+/// Directions without a pattern.
+fn direction(i: u32) -> [f64; 3] {
+    let x = [1, 2, 3].map(|k| f64::from(7 * i + k).sin());
+    let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
+    x.map(|x| x / length)
+}
+
+/// Along the normal all momentum is taken away, but for its rounding; `simulate` takes what is left. In lanes as well.
+#[test]
+fn what_comes_to_rest_by_projection_may_start() {
+    let scene = Scene::in_phase_space(Ball { c: 1.0 }, Weight { x: 0.0, y: 0.0, z: 1.0 });
+    for along in [1e-3, 0.3, 3.0, 1e3] {
+        let starts = (0..50).map(|i| {
+            let n = direction(i);
+            scene.project(&State::at(n).moving(n.map(|x| along * x))).unwrap()
+        });
+        let starts: Vec<_> = starts.collect();
+        for start in &starts {
+            let p = start.momenta().next().unwrap().amax();
+            assert!(p < 2.0 * f64::EPSILON * along, "{along}: {p:e}");
+            for h in [0.01, 1e-4] {
+                scene
+                    .simulate(start.clone(), Rattle::new(h))
+                    .unwrap_or_else(|error| panic!("{along}: {error}"));
+            }
+        }
+        scene.ensemble(starts, Rattle::new(0.01)).unwrap();
+    }
+}
+
+/// A body that rests, in an equilibrium or where it turns, goes on from its state as it would have.
+#[test]
+fn bodies_at_rest_start_again() {
+    let (h, [x, y, z]) = (0.05, direction(3));
+    let hanging = Scene::in_phase_space(Ball { c: 1.0 }, Weight { x, y, z });
+    let falling = Scene::in_phase_space(Ball { c: 1.0 }, Weight { x: 0.0, y: 0.0, z: 1.0 });
+    let mut hangs =
+        hanging.simulate(hanging.project(&State::at([-x, -y, -z])).unwrap(), Rattle::new(-h)).unwrap();
+    hangs.run(10).unwrap();
+    let turning = (0..20).map(|i| {
+        let start = falling.project(&State::at(direction(i))).unwrap();
+        let mut there = falling.simulate(start, Rattle::new(h)).unwrap();
+        there.run(10).unwrap();
+        let mut back = falling.simulate(there.state(), Rattle::new(-h)).unwrap();
+        back.run(10).unwrap();
+        (falling, back)
+    });
+    for (i, (scene, mut simulation)) in std::iter::once((hanging, hangs)).chain(turning).enumerate() {
+        let state = simulation.state();
+        assert!(simulation.momentum().amax() < 1e-14, "{i} rests");
+        for h in [h, -1e-3 * h] {
+            scene.simulate(state.clone(), Rattle::new(h)).unwrap_or_else(|error| panic!("{i}, {h}: {error}"));
+        }
+        let mut again = scene.simulate(state.clone(), Rattle::new(-h)).unwrap();
+        let mut lanes = scene.ensemble(vec![state; 2], Rattle::new(-h)).unwrap();
+        simulation.run(10).unwrap();
+        again.run(10).unwrap();
+        lanes.run(10);
+        let [one, lane] = [again.state(), lanes.state(1)].map(|state| state.positions().next().unwrap());
+        let off = (one - simulation.position()).amax().max((lane - simulation.position()).amax());
+        assert!(off < 1e-14, "{i}: {off:e}");
+    }
+}
+
+phase_constraint! {
+    /// A pendulum in a plane, beside a coordinate that is free.
+    struct Beside {}
+    |q: [f64; 3], p: [f64; 3]| q[1]^2 + q[2]^2 - 1 + 0 * p[0]
+}
+
+/// What {g, H} does not depend on may be as large as it likes: a momentum of 0.1 along the normal is told as it is.
+#[test]
+fn starts_are_held_to_the_coordinates_that_matter() {
+    let scene = Scene::in_phase_space(Beside {}, Weight { x: 0.0, y: 0.0, z: 1.0 });
+    for far in [0.0, 1.0, 1e6, 1e12] {
+        let start =
+            |normal: f64| State::at([far, 0.6, 0.8]).moving([0.0, 0.6 * normal + 0.08, 0.8 * normal - 0.06]);
+        let error = scene.simulate(start(0.1), Rattle::new(0.01)).unwrap_err().to_string();
+        assert!(error.contains("{g, H} = 2.000e-1"), "{far:e}: {error}");
+        scene.simulate(start(0.0), Rattle::new(0.01)).unwrap_or_else(|error| panic!("{far:e}: {error}"));
+        let p = momentum(scene.project(&start(0.1)), "projected");
+        assert!((p[1] - 0.08).abs().max((p[2] + 0.06).abs()) < 1e-16 * (1.0 + far), "{far:e}: {p:?}");
+    }
+}

@@ -30,6 +30,8 @@ mod laws;
 mod near_the_origin;
 #[path = "../phase_starts.rs"]
 mod phase_starts;
+#[path = "../phase_steps.rs"]
+mod phase_steps;
 #[path = "../phase_units.rs"]
 mod phase_units;
 #[path = "../references.rs"]

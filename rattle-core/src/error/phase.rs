@@ -42,7 +42,8 @@ pub enum PhaseMistake {
         equation: usize,
         /// {g, H}.
         rate: f64,
-        /// The distance along the fibre to a point where it holds, relative to the coordinates.
+        /// The distance along the fibre to a point where it holds, relative to the largest of the coordinates that it
+        /// depends on.
         share: f64,
         /// The largest share allowed.
         tolerance: f64,

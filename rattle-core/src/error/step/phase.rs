@@ -44,6 +44,29 @@ pub enum PhaseFailure {
         /// The step size: in a composition, that of the stage.
         h: f64,
     },
+    /// In phase space, two equations commute where the motion was, and not where it is now: {gᵢ, gⱼ} ≠ 0. The slide to
+    /// the hidden constraint leads off g = 0 there.
+    #[error(
+        "equations {first} and {second} are not coisotropic where the step leads: {{g{first}, g{second}}} = {bracket:.3e}, \
+         {share:.1e} of its terms, must vanish wherever both hold (q = {position:?}, p = {momentum:?}, h = {h:.3e}); no \
+         step is short enough; equations that do not commute take away a degree of freedom instead: solve one for a variable"
+    )]
+    NotCoisotropic {
+        /// One.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// {gᵢ, gⱼ}.
+        bracket: f64,
+        /// |{gᵢ, gⱼ}| relative to the sizes of its terms.
+        share: f64,
+        /// The position at the end of the step.
+        position: Vec<f64>,
+        /// The momentum there.
+        momentum: Vec<f64>,
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+    },
     /// The Störmer–Verlet step of a Hamiltonian that is not separable was not solved.
     #[error("the step of H alone has no solution near q = {position:?} (h = {h:.3e}); try a smaller step")]
     ImplicitStep {

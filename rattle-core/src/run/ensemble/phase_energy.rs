@@ -10,12 +10,10 @@ use crate::number::vector::{add_scaled, largest, scaled, sum};
 use crate::number::vectors::{at, put};
 use crate::run::ensemble::phase_fibre::{BY_ITSELF, GOES, RESTS};
 use crate::run::ensemble::phase_row::{Each, Laws, Number, Points, ROW, Vector, ZEROS};
+use crate::systems::phase::point::{ROUNDING, ROUNDING_OF_BASE, STALLS};
 
 /// Passes after which a lane goes by itself.
 const MOST_PASSES: usize = 40;
-
-/// What no longer shrinks is rounding below this part.
-const ROUNDING: f64 = 1e-13;
 
 /// A step of each lane.
 pub(super) struct Leap<const D: usize> {
@@ -52,13 +50,13 @@ impl<const D: usize> Leap<D> {
     ) {
         let Self { kick, half, out, drift, end, change, .. } = self;
         let share = Fused(0.5 * h);
-        iterate(&Kick { laws, share, from }, kick, going);
+        iterate(&Kick { laws, share, from }, &from.p, kick, going);
         for l in 0..ROW {
             let half_way = sum(&at(&from.p, l), &at(kick, l));
             put(half, l, half_way);
             put(out, l, scaled(share, &laws.energy(l).gradients(&at(&from.q, l), &half_way).1));
         }
-        iterate(&Drift { laws, share, from: &from.q, half, out }, drift, going);
+        iterate(&Drift { laws, share, from: &from.q, half, out }, &from.q, drift, going);
         for l in 0..ROW {
             let (drift, half) = (at(drift, l), at(half, l));
             let place = sum(&at(&from.q, l), &drift);
@@ -82,13 +80,13 @@ impl<const D: usize> Leap<D> {
     ) {
         let Self { half, end, small: [kick, out], .. } = self;
         let share = Fused(0.5 * h);
-        iterate(&SmallKick { laws, share, from: &from.q, half, change }, kick, going);
+        iterate(&SmallKick { laws, share, from: &from.q, half, change }, &change.p, kick, going);
         for l in 0..ROW {
             let (v, p) = (at(&change.q, l), at(kick, l));
             let rate = laws.energy(l).hessian_vector(&at(&from.q, l), &at(half, l), &v, &p).1;
             put(out, l, add_scaled(&v, share, &rate));
         }
-        iterate(&SmallDrift { laws, share, end, half, out, kick }, &mut to.q, going);
+        iterate(&SmallDrift { laws, share, end, half, out, kick }, &change.q, &mut to.q, going);
         for l in 0..ROW {
             let (q, p) = (at(&to.q, l), at(kick, l));
             let rate = laws.energy(l).hessian_vector(&at(end, l), &at(half, l), &q, &p).0;
@@ -172,12 +170,20 @@ impl<X: Laws<D, M>, const D: usize, const M: usize> Equation<D> for SmallDrift<'
     }
 }
 
-/// Iterates from 0 in lanes that do not go by themselves, until each rests.
+/// Iterates from 0 in lanes that do not go by themselves, until each rests; `base` is what x is added to.
 #[inline(always)]
-fn iterate<const D: usize>(equation: &impl Equation<D>, x: &mut Vector<D>, going: &mut Each) {
-    let [zero, goes, rests, by_itself] = [0.0, GOES, RESTS, BY_ITSELF].map(Fused);
+fn iterate<const D: usize>(
+    equation: &impl Equation<D>,
+    base: &Vector<D>,
+    x: &mut Vector<D>,
+    going: &mut Each,
+) {
+    let [zero, one, goes, rests, by_itself] = [0.0, 1.0, GOES, RESTS, BY_ITSELF].map(Fused);
     let [half, two, epsilon, rounding] = [0.5, 2.0, f64::EPSILON, ROUNDING].map(Fused);
+    let [of_base, most_stalls] = [ROUNDING_OF_BASE, f64::from(STALLS)].map(Fused);
     let (mut settling, mut last) = (ZEROS, [Fused(f64::INFINITY); ROW]);
+    // By what components were moved at least, and in how many passes since they were not halved.
+    let (mut least, mut stalls): (Vector<D>, Vector<D>) = ([[Fused(f64::INFINITY); ROW]; D], [ZEROS; D]);
     for l in 0..ROW {
         settling[l] = Real::select(zero.le(going[l]), goes, rests);
     }
@@ -189,14 +195,22 @@ fn iterate<const D: usize>(equation: &impl Equation<D>, x: &mut Vector<D>, going
         for l in 0..ROW {
             let old = at(x, l);
             let next = equation.at(l, &old);
-            let (off, size) = (largest(&add_scaled(&next, Fused(-1.0), &old)), largest(&next));
+            let moved = add_scaled(&next, Fused(-1.0), &old);
+            let (off, all) = (largest(&moved), rounding * largest(&at(base, l)).max(largest(&next)));
             let settles = zero.lt(settling[l]);
+            let mut rested = !first;
             for d in 0..D {
+                let (moved, size) = (moved[d].abs(), next[d].abs());
+                let nearer = first | moved.lt(half * least[d][l]);
+                least[d][l] = Real::select(nearer & !first, moved, least[d][l]);
+                stalls[d][l] = Real::select(nearer, zero, stalls[d][l] + one);
+                let own = (rounding * size).max(of_base * base[d][l].abs());
+                let stalled = one.le(stalls[d][l]) & moved.le(own);
+                let stuck = most_stalls.le(stalls[d][l]) & moved.le(all);
+                rested &= moved.le(epsilon * size) | stalled | stuck;
                 x[d][l] = Real::select(settles, next[d], old[d]);
             }
-            let still = (half * last[l]).le(off) & off.le(rounding * size);
-            let rested = !first & (off.le(epsilon * size) | still);
-            let lost = end | !off.lt(two * last[l]);
+            let lost = end | (!off.lt(two * last[l]) & !off.le(all));
             let now = Real::select(rested, rests, Real::select(lost, by_itself, goes));
             settling[l] = Real::select(settles, now, settling[l]);
             last[l] = if first { last[l] } else { off };

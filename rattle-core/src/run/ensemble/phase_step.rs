@@ -7,6 +7,7 @@
 //! is looked at inside, followed from its start, or refused. So a lane ends on no other sheet than a simulation does.
 
 use crate::kernel::functions::PhaseConstraintKernel;
+use crate::motion::start::START_TOLERANCE;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::{dot, largest, two_sum};
@@ -240,6 +241,28 @@ fn settle<const D: usize, const M: usize>(laws: &impl Laws<D, M>, scratch: &mut 
             break;
         }
         correct(value, slopes, correction, going, sigma, corrected);
+    }
+    if const { M > 1 } {
+        commute(gradients, going);
+    }
+}
+
+/// Has lanes go by themselves where equations do not commute, so that the slide has led off g = 0; or where the terms
+/// of a bracket are nothing.
+#[inline(always)]
+fn commute<const D: usize, const M: usize>(gradients: &[Points<D>; M], going: &mut Each) {
+    for second in 1..M {
+        for first in 0..second {
+            for l in 0..ROW {
+                let [a_q, b_q] = [first, second].map(|m| at(&gradients[m].q, l));
+                let [a_p, b_p] = [first, second].map(|m| at(&gradients[m].p, l));
+                let bracket = dot(&a_q, &b_p) - dot(&a_p, &b_q);
+                let [sizes_q, sizes_p] = [[a_q, b_p], [a_p, b_q]].map(|of| of.map(|x| x.map(|x| x.abs())));
+                let size = dot(&sizes_q[0], &sizes_q[1]) + dot(&sizes_p[0], &sizes_p[1]);
+                let vanishes = bracket.abs().le(Fused(START_TOLERANCE) * size);
+                going[l] = Real::select(vanishes, going[l], Fused(BY_ITSELF));
+            }
+        }
     }
 }
 

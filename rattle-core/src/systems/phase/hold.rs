@@ -36,7 +36,7 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
         _: &E,
         count: N,
         start: &State<D>,
-        _: f64,
+        h: f64,
         _: bool,
     ) -> Result<Self::System<E, N>, Error> {
         const {
@@ -47,7 +47,7 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
         };
         let system = self.in_phase_space(count);
         for (body, state) in start.bodies.iter().enumerate() {
-            system.check(state).map_err(|cause| Error::Start { body, cause })?;
+            system.check(h, state).map_err(|cause| Error::Start { body, cause })?;
         }
         Ok(system)
     }

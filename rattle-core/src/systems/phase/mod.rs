@@ -5,7 +5,7 @@ mod hold;
 pub(crate) mod in_lanes;
 mod kept;
 pub(crate) mod landing;
-mod point;
+pub(crate) mod point;
 pub(crate) mod step;
 mod system;
 

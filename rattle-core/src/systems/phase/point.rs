@@ -51,13 +51,18 @@ impl<const D: usize> Point<D> {
         dot(&self.q, &direction.q) + dot(&self.p, &direction.p)
     }
     /// The size of the terms of that.
-    fn size_along(&self, direction: &Self) -> f64 {
+    pub(super) fn size_along(&self, direction: &Self) -> f64 {
         products(&self.q, &direction.q) + products(&self.p, &direction.p)
     }
     /// The largest coordinate for all of them, and the largest momentum.
-    fn most(&self) -> Self {
+    pub(super) fn most(&self) -> Self {
         let [q, p] = self.sizes();
         Self { q: [q; D], p: [p; D] }
+    }
+    /// The same of those on which a function with these slopes depends.
+    fn most_along(&self, slopes: &Self) -> Self {
+        let known = |x: &[f64; D], slopes: &[f64; D]| from_fn(|i| if slopes[i] == 0.0 { 0.0 } else { x[i] });
+        Self { q: known(&self.q, &slopes.q), p: known(&self.p, &slopes.p) }.most()
     }
 }
 
@@ -122,11 +127,29 @@ impl<const D: usize, const M: usize> Level<D, M> {
     pub(super) fn bracket(&self, i: usize, j: usize) -> (f64, f64) {
         bracket(&self.gradients[i], &self.gradients[j])
     }
+
+    /// ∇{gᵢ, gⱼ} = gⱼ″ (−∂gᵢ/∂p, ∂gᵢ/∂q) − gᵢ″ (−∂gⱼ/∂p, ∂gⱼ/∂q) at the point where this is.
+    #[cold]
+    pub(super) fn slopes_of_bracket<K>(&self, constraint: &K, at: &Point<D>, i: usize, j: usize) -> Point<D>
+    where
+        K: PhaseConstraintKernel<f64, D, M>,
+    {
+        let turned = |of: usize, along: usize| {
+            let Point { q, p } = self.fibre(along);
+            let (by_q, by_p) = constraint.hessian_vector(&at.q, &at.p, &q, &p);
+            Point { q: by_q[of], p: by_p[of] }
+        };
+        turned(j, i).minus(&turned(i, j))
+    }
 }
 
 /// The hidden constraint hᵢ = {gᵢ, H}, with what says how it changes.
 pub(super) struct Hidden<const D: usize, const M: usize> {
+    /// g there.
+    pub(super) level: Level<D, M>,
     pub(super) value: [f64; M],
+    /// ∇hᵢ.
+    gradients: [Point<D>; M],
     /// Σ |∂hᵢ/∂zₖ| rₖ with r the largest coordinates and momenta of the reach: times ε the rounding of hᵢ that comes
     /// from that of the point, in whatever units q and p are.
     pub(super) size: [f64; M],
@@ -165,13 +188,27 @@ impl<const D: usize, const M: usize> Hidden<D, M> {
             slopes: gradients.map(|h| fibres.map(|fibre| h.along(&fibre))),
             terms,
             rates: gradients.map(|h| h.along(&free)),
+            gradients,
+            level,
         }
     }
 
+    /// As `size`, of a point, with r the largest of those coordinates and momenta on which hᵢ depends there: others may
+    /// be however large.
+    pub(super) fn own_size(&self, at: &Point<D>) -> [f64; M] {
+        self.gradients.map(|h| h.size_along(&at.most_along(&h)))
+    }
+
+    /// As `size`, of this reach.
+    pub(super) fn size_of(&self, reach: &Point<D>) -> [f64; M] {
+        let most = reach.most();
+        self.gradients.map(|h| h.size_along(&most))
+    }
+
     /// Whether N is singular here but for rounding, in whatever units the equations are.
-    pub(super) fn is_undetermined(&self, level: &Level<D, M>, at: &Point<D>) -> bool {
+    pub(super) fn is_undetermined(&self, at: &Point<D>) -> bool {
         let [q, p] = units(at);
-        let steepness = level.gradients.map(|g| largest(&g.weighted(q, p).sizes()));
+        let steepness = self.level.gradients.map(|g| largest(&g.weighted(q, p).sizes()));
         let scaled = |i: usize, x: &[f64; M]| from_fn(|j| x[j] / steepness[j] / steepness[i]);
         let sizes: [f64; M] = from_fn(|i| largest::<_, M>(&scaled(i, &self.terms[i])));
         let slopes = from_fn(|i| scaled(i, &self.slopes[i]).map(|slope| slope / sizes[i]));
@@ -211,6 +248,12 @@ fn products<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
 
 /// Iterations of an implicit equation, of which separable energies need one.
 const MAX_ITERATIONS: usize = 60;
+/// What no longer shrinks is rounding below this part of itself.
+pub(crate) const ROUNDING: f64 = 1e-13;
+/// And below this part of what it is added to: that is rounded where the equation is evaluated.
+pub(crate) const ROUNDING_OF_BASE: f64 = 4.0 * f64::EPSILON;
+/// After so many passes in which it was not halved, what is left may be rounding of the largest coordinate.
+pub(crate) const STALLS: u8 = 4;
 
 /// The Störmer–Verlet step of any energy, symplectic and symmetric:
 ///
@@ -232,10 +275,11 @@ impl<const D: usize> Verlet<D> {
     pub(super) fn of<H: HamiltonianKernel<f64, D>>(energy: &H, h: f64, from: &Point<D>) -> Option<Self> {
         let Point { q, p } = from;
         let half = 0.5 * h;
-        let kick = settle(|kick| scaled(-half, &energy.gradients(q, &sum(p, kick)).0))?;
+        let kick = settle(p, |kick| scaled(-half, &energy.gradients(q, &sum(p, kick)).0))?;
         let half_way = sum(p, &kick);
         let out = scaled(half, &energy.gradients(q, &half_way).1);
-        let drift = settle(|drift| add_scaled(&out, half, &energy.gradients(&sum(q, drift), &half_way).1))?;
+        let next = |drift: &_| add_scaled(&out, half, &energy.gradients(&sum(q, drift), &half_way).1);
+        let drift = settle(q, next)?;
         let end = sum(q, &drift);
         let change = Point { q: drift, p: add_scaled(&kick, -half, &energy.gradients(&end, &half_way).0) };
         Some(Self { start: *q, half: half_way, end, change })
@@ -251,27 +295,62 @@ impl<const D: usize> Verlet<D> {
         let half = 0.5 * h;
         let at_start = |dq: &_, dp: &_| energy.hessian_vector(&self.start, &self.half, dq, dp);
         let at_end = |dq: &_, dp: &_| energy.hessian_vector(&self.end, &self.half, dq, dp);
-        let p = settle(|p| add_scaled(&v.p, -half, &at_start(&v.q, p).0))?;
+        let p = settle(&v.p, |p| add_scaled(&v.p, -half, &at_start(&v.q, p).0))?;
         let out = add_scaled(&v.q, half, &at_start(&v.q, &p).1);
-        let q = settle(|q| add_scaled(&out, half, &at_end(q, &p).1))?;
+        let q = settle(&v.q, |q| add_scaled(&out, half, &at_end(q, &p).1))?;
         Some(Point { q, p: add_scaled(&p, -half, &at_end(&q, &p).0) })
     }
 }
 
-/// x = f(x), iterated from f(0) until it stays; none where it does not.
-fn settle<const D: usize>(f: impl Fn(&[f64; D]) -> [f64; D]) -> Option<[f64; D]> {
+/// x = f(x), iterated from f(0) until each component stays; none where one does not. `base` is what x is added to: a
+/// component that is small by cancellation has the rounding of that. What is no number is handed on.
+fn settle<const D: usize>(base: &[f64; D], f: impl Fn(&[f64; D]) -> [f64; D]) -> Option<[f64; D]> {
     let (mut x, mut last) = (f(&[0.0; D]), f64::INFINITY);
+    let mut left = [Left { least: f64::INFINITY, stalls: 0 }; D];
     for _ in 0..MAX_ITERATIONS {
         let next = f(&x);
-        let (moved, size) = (largest(&add_scaled(&next, -1.0, &x)), largest(&next));
+        let moved = add_scaled(&next, -1.0, &x);
         x = next;
-        if moved <= f64::EPSILON * size || (moved >= 0.5 * last && moved <= 1e-13 * size) {
+        let (most, all) = (largest(&moved), ROUNDING * largest(base).max(largest(&x)));
+        let mut rests = true;
+        for i in 0..D {
+            left[i].note(moved[i].abs());
+            rests &= left[i].is_rounding(moved[i].abs(), x[i].abs(), base[i].abs(), all);
+        }
+        if rests || moved.iter().any(|x| x.is_nan()) {
             return Some(x);
         }
-        if !moved.is_finite() || moved >= 2.0 * last {
+        if !most.is_finite() || (most >= 2.0 * last && most > all) {
             return None;
         }
-        last = moved;
+        last = most;
     }
     None
+}
+
+/// How a component of such an iteration comes nearer.
+#[derive(Clone, Copy)]
+struct Left {
+    /// The least that it was moved by, as it was halved again and again.
+    least: f64,
+    /// Passes since.
+    stalls: u8,
+}
+
+impl Left {
+    #[inline(always)]
+    fn note(&mut self, moved: f64) {
+        let nearer = moved < 0.5 * self.least;
+        self.least = if nearer { moved } else { self.least };
+        self.stalls = if nearer { 0 } else { self.stalls.saturating_add(1) };
+    }
+
+    /// Whether what is left is rounding: of a component of size x, of what it is added to, or at last of the largest.
+    #[inline(always)]
+    fn is_rounding(&self, moved: f64, x: f64, base: f64, all: f64) -> bool {
+        let own = (ROUNDING * x).max(ROUNDING_OF_BASE * base);
+        moved <= f64::EPSILON * x
+            || (self.stalls > 0 && moved <= own)
+            || (self.stalls >= STALLS && moved <= all)
+    }
 }

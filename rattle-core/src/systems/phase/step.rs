@@ -111,14 +111,51 @@ pub(super) fn worst<const M: usize>(x: &[f64; M], sizes: &[f64; M]) -> (usize, f
     worst
 }
 
-/// Whether the brackets of all equations are zero.
-fn commute<const D: usize, const M: usize>(level: &Level<D, M>) -> Result<(), PhaseMistake> {
+/// Two equations whose bracket is not zero, and what part of its terms it is.
+struct Clash {
+    first: usize,
+    second: usize,
+    bracket: f64,
+    share: f64,
+}
+
+impl Clash {
+    #[cold]
+    fn at<const D: usize>(self, at: &Point<D>, h: f64) -> StepFailure {
+        let Self { first, second, bracket, share } = self;
+        let (position, momentum) = (at.q.to_vec(), at.p.to_vec());
+        PhaseFailure::NotCoisotropic { first, second, bracket, share, position, momentum, h }.into()
+    }
+}
+
+impl From<Clash> for PhaseMistake {
+    fn from(Clash { first, second, bracket, share }: Clash) -> Self {
+        Self::NotCoisotropic { first, second, bracket, share }
+    }
+}
+
+/// Whether the brackets of all equations are zero: against their terms, or where these are nothing themselves, at the
+/// rounding of coordinates that were as large as those of `reach`.
+#[inline(always)]
+fn commute<K, const D: usize, const M: usize>(
+    constraint: &K,
+    level: &Level<D, M>,
+    at: &Point<D>,
+    reach: &Point<D>,
+) -> Result<(), Clash>
+where
+    K: PhaseConstraintKernel<f64, D, M>,
+{
     for second in 1..M {
         for first in 0..second {
             let (bracket, size) = level.bracket(first, second);
-            if bracket.is_nan() || bracket.abs() > START_TOLERANCE * size {
-                let share = bracket.abs() / size;
-                return Err(PhaseMistake::NotCoisotropic { first, second, bracket, share });
+            let rounding = || {
+                let slopes = level.slopes_of_bracket(constraint, at, first, second);
+                NOISE * f64::EPSILON * slopes.size_along(&reach.most())
+            };
+            let vanishes = bracket.abs() <= START_TOLERANCE * size || bracket.abs() <= rounding();
+            if !vanishes {
+                return Err(Clash { first, second, bracket, share: bracket.abs() / size });
             }
         }
     }
@@ -134,7 +171,8 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         Hidden::of(&self.constraint, &self.energy, at, at)
     }
 
-    /// From the body's point along its fibre to where the hidden constraint holds; with the slide and N there.
+    /// From the body's point along its fibre to where the hidden constraint holds; with the slide and N there. Fibres
+    /// of equations that do not commute there have led off g = 0.
     #[allow(clippy::type_complexity, reason = "three numbers of one slide")]
     pub(super) fn slide_to_hidden<const D: usize>(
         &self,
@@ -149,11 +187,17 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         let mut slides = Slides::new();
         let look =
             |sigma: &[f64; M]| self.look_along(&start, &low, sigma, &mut slides).ok_or_else(|| too_far(h));
-        let (sigma, seen) = solve_along(h, [0.0; M], look, |seen| Some(seen.rest))?;
-        Ok((sigma, seen.change, seen.rest))
+        let (sigma, Look { change, rest: Hidden { level, slopes, .. }, .. }) =
+            solve_along(h, [0.0; M], look, |seen| Some(seen.rest.slopes))?;
+        if const { M > 1 } {
+            let at = start.plus(&low.plus(&change));
+            commute(&self.constraint, &level, &at, &start.reach(&change))
+                .map_err(|clash| clash.at(&at, h))?;
+        }
+        Ok((sigma, change, slopes))
     }
 
-    /// The hidden constraint after a slide, with N there; none if that leads too far.
+    /// The hidden constraint after a slide, and what goes with it; none if that leads too far.
     #[inline(always)]
     fn look_along<const D: usize>(
         &self,
@@ -161,7 +205,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         low: &Point<D>,
         sigma: &[f64; M],
         slides: &mut Slides<D, M>,
-    ) -> Option<Look<[[f64; M]; M], D, M>>
+    ) -> Option<Look<Hidden<D, M>, D, M>>
     where
         K: PhaseConstraintKernel<f64, D, M>,
         H: HamiltonianKernel<f64, D>,
@@ -169,11 +213,12 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         let change = slides.slide(&self.constraint, start, sigma)?;
         let at = start.plus(&low.plus(&change));
         let hidden = Hidden::of(&self.constraint, &self.energy, &at, &start.reach(&change));
-        let Hidden { value, size, slopes, .. } = hidden;
-        Some(Look { change, value, size, extent: size, rest: slopes })
+        let Hidden { value, size, .. } = hidden;
+        Some(Look { change, value, size, extent: size, rest: hidden })
     }
 
-    pub(super) fn check<const D: usize>(&self, body: &Body<f64, D>) -> Result<(), StartFailure>
+    /// Whether a body can start here, in steps of h.
+    pub(super) fn check<const D: usize>(&self, h: f64, body: &Body<f64, D>) -> Result<(), StartFailure>
     where
         K: PhaseConstraintKernel<f64, D, M>,
         H: HamiltonianKernel<f64, D>,
@@ -182,7 +227,8 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         finite("momentum", &body.p)?;
         let at = Point::high(body);
         self.check_energy(&at)?;
-        let (level, hidden) = (Level::of(&self.constraint, &at, &at), self.hidden(&at));
+        let hidden = self.hidden(&at);
+        let level = &hidden.level;
         let mistake = |mistake| Err(StartFailure::Phase(mistake));
         let tolerance = START_TOLERANCE / f64::EPSILON;
         let (equation, off) = worst(&level.value, &level.size);
@@ -192,13 +238,16 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             let (value, share) = (level.value[equation], off * f64::EPSILON);
             return mistake(PhaseMistake::Off { equation, value, share, tolerance: START_TOLERANCE });
         }
-        commute(&level).map_err(StartFailure::Phase)?;
-        if hidden.is_undetermined(&level, &at) {
+        commute(&self.constraint, level, &at, &at).map_err(|clash| StartFailure::Phase(clash.into()))?;
+        if hidden.is_undetermined(&at) {
             let slopes = hidden.slopes.concat();
             return mistake(level.dependent(&at).unwrap_or(PhaseMistake::Undetermined { slopes }));
         }
-        let (equation, off) = worst(&hidden.value, &hidden.size);
-        if off.is_nan() || off > tolerance {
+        let (equation, off) = worst(&hidden.value, &hidden.own_size(&at));
+        // A body at rest has momenta of the rounding of what a step gives and takes.
+        let reach = at.reach(&self.free(&at).times(h));
+        let rounded = worst(&hidden.value, &hidden.size_of(&reach)).1 <= NOISE;
+        if off.is_nan() || (off > tolerance && !rounded) {
             let (rate, share) = (hidden.value[equation], off * f64::EPSILON);
             return mistake(PhaseMistake::Hidden { equation, rate, share, tolerance: START_TOLERANCE });
         }
@@ -235,11 +284,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             let (_, roundings) = worst(&value, &size);
             if nearing.look(roundings, roundings <= 1.0, roundings <= NOISE).0 {
                 // Else fibres lead off g = 0.
-                let slid = commute(&level).and_then(|()| {
-                    let there = at.plus(&self.slide_from_afar(&at)?);
-                    commute(&Level::of(&self.constraint, &there, &there)).map(|()| there)
-                });
-                match slid {
+                match self.slide_start(&level, &at) {
                     Ok(there) => return Ok(there),
                     Err(mistake) => failure = Some(mistake),
                 }
@@ -260,6 +305,25 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         })
     }
 
+    /// A point of g = 0 slid to the hidden constraint: once, which leaves the rounding of the way there, and from there
+    /// again.
+    fn slide_start<const D: usize>(
+        &self,
+        level: &Level<D, M>,
+        at: &Point<D>,
+    ) -> Result<Point<D>, PhaseMistake>
+    where
+        K: PhaseConstraintKernel<f64, D, M>,
+        H: HamiltonianKernel<f64, D>,
+    {
+        commute(&self.constraint, level, at, at)?;
+        let change = self.slide_from_afar(at)?;
+        let there = at.plus(&change);
+        let next = Level::of(&self.constraint, &there, &there);
+        commute(&self.constraint, &next, &there, &at.reach(&change))?;
+        Ok(self.slide_from_afar(&there).map_or(there, |change| there.plus(&change)))
+    }
+
     /// The change along the fibre to the hidden constraint, from however far: the largest {g, H} falls with each
     /// correction, or where it cannot, full corrections are tried.
     fn slide_from_afar<const D: usize>(&self, start: &Point<D>) -> Result<Point<D>, PhaseMistake>
@@ -277,10 +341,19 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             let seen = self.look_along(start, &Point::ZERO, sigma, &mut slides);
             seen.filter(|seen| finite(&seen.change))
         };
-        solve_from_afar(look, |seen| seen.rest).map(|seen| seen.change).or_else(|mistake| {
+        solve_from_afar(look, |seen| seen.rest.slopes).map(|seen| seen.change).or_else(|mistake| {
             let body = Body { q: start.q, q_low: [0.0; D], p: start.p, p_low: [0.0; D] };
-            let change = self.slide_to_hidden(0.0, &body).map(|(_, change, _)| change);
-            change.ok().filter(finite).ok_or(mistake)
+            match self.slide_to_hidden(0.0, &body) {
+                Ok((_, change, _)) if finite(&change) => Ok(change),
+                Err(StepFailure::Phase(PhaseFailure::NotCoisotropic {
+                    first,
+                    second,
+                    bracket,
+                    share,
+                    ..
+                })) => Err(Clash { first, second, bracket, share }.into()),
+                _ => Err(mistake),
+            }
         })
     }
 }
@@ -313,14 +386,22 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         (0..M).fold(Point::ZERO, |sum, i| sum.plus(&level.fibre(i).times(multipliers[i])))
     }
 
+    /// (q̇, ṗ) without constraint.
+    fn free<const D: usize>(&self, at: &Point<D>) -> Point<D>
+    where
+        H: HamiltonianKernel<f64, D>,
+    {
+        let (by_q, by_p) = self.energy.gradients(&at.q, &at.p);
+        Point { q: by_p, p: by_q.map(|x| -x) }
+    }
+
     /// (q̇, ṗ).
     pub(super) fn flow<const D: usize>(&self, at: &Point<D>) -> Point<D>
     where
         K: PhaseConstraintKernel<f64, D, M>,
         H: HamiltonianKernel<f64, D>,
     {
-        let (by_q, by_p) = self.energy.gradients(&at.q, &at.p);
-        Point { q: by_p, p: by_q.map(|x| -x) }.plus(&self.pull(at))
+        self.free(at).plus(&self.pull(at))
     }
 }
 
