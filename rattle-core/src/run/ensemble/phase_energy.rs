@@ -184,6 +184,7 @@ fn iterate<const D: usize>(
     let (mut settling, mut last) = (ZEROS, [Fused(f64::INFINITY); ROW]);
     // By what components were moved at least, and in how many passes since they were not halved.
     let (mut least, mut stalls): (Vector<D>, Vector<D>) = ([[Fused(f64::INFINITY); ROW]; D], [ZEROS; D]);
+    let mut moved: Vector<D> = [ZEROS; D];
     for l in 0..ROW {
         settling[l] = Real::select(zero.le(going[l]), goes, rests);
     }
@@ -195,25 +196,42 @@ fn iterate<const D: usize>(
         for l in 0..ROW {
             let old = at(x, l);
             let next = equation.at(l, &old);
-            let moved = add_scaled(&next, Fused(-1.0), &old);
-            let (off, all) = (largest(&moved), rounding * largest(&at(base, l)).max(largest(&next)));
-            let settles = zero.lt(settling[l]);
-            let mut rested = !first;
+            let off = add_scaled(&next, Fused(-1.0), &old);
+            let (settles, mut rested) = (zero.lt(settling[l]), !first);
             for d in 0..D {
-                let (moved, size) = (moved[d].abs(), next[d].abs());
-                let nearer = first | moved.lt(half * least[d][l]);
-                least[d][l] = Real::select(nearer & !first, moved, least[d][l]);
+                moved[d][l] = off[d].abs();
+                rested &= moved[d][l].le(epsilon * next[d].abs());
+                x[d][l] = Real::select(settles, next[d], old[d]);
+            }
+            settling[l] = Real::select(settles & rested, rests, settling[l]);
+            any |= zero.lt(settling[l]);
+        }
+        if !any {
+            break;
+        }
+        if first {
+            continue;
+        }
+        // Some are not at their own rounding yet: energies that are separable do not come here.
+        any = false;
+        for l in 0..ROW {
+            let all = rounding * largest(&at(base, l)).max(largest(&at(x, l)));
+            let (off, mut rested) = (largest(&at(&moved, l)), true);
+            for d in 0..D {
+                let moved = moved[d][l];
+                let nearer = moved.lt(half * least[d][l]);
+                least[d][l] = Real::select(nearer, moved, least[d][l]);
                 stalls[d][l] = Real::select(nearer, zero, stalls[d][l] + one);
+                let size = x[d][l].abs();
                 let own = (rounding * size).max(of_base * base[d][l].abs());
                 let stalled = one.le(stalls[d][l]) & moved.le(own);
                 let stuck = most_stalls.le(stalls[d][l]) & moved.le(all);
                 rested &= moved.le(epsilon * size) | stalled | stuck;
-                x[d][l] = Real::select(settles, next[d], old[d]);
             }
             let lost = end | (!off.lt(two * last[l]) & !off.le(all));
             let now = Real::select(rested, rests, Real::select(lost, by_itself, goes));
-            settling[l] = Real::select(settles, now, settling[l]);
-            last[l] = if first { last[l] } else { off };
+            settling[l] = Real::select(zero.lt(settling[l]), now, settling[l]);
+            last[l] = off;
             any |= zero.lt(settling[l]);
         }
         if !any {

@@ -8,9 +8,9 @@
 //! with the sign of λ used everywhere in this library. Constraints must be *coisotropic*: {gᵢ, gⱼ} = 0 where g = 0,
 //! with {a, b} = ∂a/∂q·∂b/∂p − ∂a/∂p·∂b/∂q. A single equation always is, and so are equations of positions alone; of
 //! others that is asked at the start and after each step. The flows with the gᵢ as Hamiltonians then make *fibres*
-//! within g = 0, and λ moves along them. The motion satisfies the hidden constraint hᵢ = {gᵢ, H} = 0, which a start must
-//! satisfy too. The motion is determined where the matrix Nᵢⱼ = ∂hᵢ/∂σⱼ, with σ the parameters along the fibre, is
-//! invertible. A step is
+//! within g = 0, and λ moves along them. The motion satisfies the hidden constraint hᵢ = {gᵢ, H} = 0, which a start
+//! must satisfy too. The motion is determined where the matrix Nᵢⱼ = ∂hᵢ/∂σⱼ, with σ the parameters along the fibre,
+//! is invertible. A step is
 //!
 //! ```text
 //! z̃  = z slid along its fibre by h/2 λ
