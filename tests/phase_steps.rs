@@ -115,8 +115,8 @@ fn step_along_rail([q, p]: [f64; 2], h: f64, k: f64, c: f64) -> [f64; 2] {
 }
 
 /// Kicks and drifts pass zero, where their rounding is that of momenta and coordinates; many such runs ended there. The
-/// pace depends on the energy, of which each step rounds another part away: after n steps it is off by √n roundings, and
-/// the body by n times that.
+/// pace depends on the energy, of which each step rounds another part away: after n steps it is off by √n roundings,
+/// and the body by n times that.
 #[test]
 fn implicit_steps_go_on_where_a_change_passes_zero() {
     let rail = |i: u32| 0.45 * f64::from(i).sin();

@@ -290,8 +290,8 @@ impl<const D: usize> Ensemble<D> {
     /// hybrid Monte Carlo method rejects such a proposal.
     ///
     /// Lanes look less closely at a step than simulations do, so that a step that is taken might be refused on the way
-    /// back. So all trajectories go by themselves from then on, each in the time of a checked simulation or somewhat
-    /// more, spread over all cores.
+    /// back. So all trajectories go by themselves from then on, each in once to twice the time of a checked simulation,
+    /// spread over all cores.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle};
