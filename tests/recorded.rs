@@ -513,3 +513,26 @@ fn columns_are_told_apart_by_the_line_for_numpy() {
         for c in ['x', 'x.abs', 'x.abs.y', 'abs']: print(len([k for k in f if k.rpartition('.')[0] == c]))";
     assert_eq!(read_by(&python, code, &path), [1.0, 1.0, 1.0, 0.0]);
 }
+
+/// The cell of a periodic scene is in each frame; lengths that are none are refused.
+#[test]
+fn xyz_has_a_cell() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.xyz");
+    let xyz = Xyz::create(&path, "Ar").unwrap().cell([8.0, 7.5, 1.0], [true, true, false]).unwrap();
+    let stream = Stream::to(xyz);
+    let columns = Columns::<2>::new().positions();
+    let mut recorder = Recorder::of(&columns, stream.sink());
+    let start = State::of([[7.9, 0.0], [1.0, 0.0]]).moving([1.0, 0.0]);
+    Scene::points(2).simulate(start, Rattle::new(0.5)).unwrap().observe(2, 1, &mut recorder).unwrap();
+    recorder.finish().unwrap();
+    stream.finish().unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let cell = "Lattice=\"8.0 0.0 0.0 0.0 7.5 0.0 0.0 0.0 1.0\" pbc=\"T T F\" Time=";
+    assert_eq!(text.matches(cell).count(), 2, "{text}");
+    assert!(text.contains("Ar 8.9 0.0 0.0"), "positions are as they are: {text}");
+    for length in [0.0, -1.0, f64::INFINITY, f64::NAN] {
+        let error = Xyz::to(Vec::new(), "Ar").cell([1.0, length, 1.0], [true; 3]).unwrap_err();
+        assert!(error.to_string().contains("positive and finite"), "{error}");
+    }
+}

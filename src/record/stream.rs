@@ -287,6 +287,8 @@ impl Writer for NpzParts {
 pub struct Xyz<W: Write> {
     to: BufWriter<W>,
     species: String,
+    /// What a line says of the cell.
+    cell: String,
 }
 
 impl Xyz<File> {
@@ -315,7 +317,31 @@ fn one_word(species: &str) -> io::Result<()> {
 impl<W: Write> Xyz<W> {
     /// Writes frames to a writer, such as an open file. Each body is an atom of this species: "Ar", "X".
     pub fn to(to: W, species: &str) -> Self {
-        Self { to: BufWriter::new(to), species: species.into() }
+        Self { to: BufWriter::new(to), species: species.into(), cell: "pbc=\"F F F\"".into() }
+    }
+
+    /// The same, whose frames have a cell: from the origin along the axes, of these lengths, and periodic along some of
+    /// them. Positions are written as they are, which may be outside; viewers wrap them.
+    ///
+    /// ```
+    /// # use rattle::record::Xyz;
+    /// let periods = [8.0, 8.0, 1.0]; // a gas in the plane: the third length is any
+    /// let xyz = Xyz::to(Vec::new(), "Ar").cell(periods, [true, true, false])?;
+    /// # drop(xyz);
+    /// # Ok::<(), std::io::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A length that is not positive and finite.
+    #[doc(alias = "Lattice")]
+    #[doc(alias = "pbc")]
+    pub fn cell(self, lengths: [f64; 3], periodic: [bool; 3]) -> io::Result<Self> {
+        if let Some(length) = lengths.into_iter().find(|&x| !(x > 0.0 && x.is_finite())) {
+            return Err(wrong(format!("a length of a cell is positive and finite, found {length:?}")));
+        }
+        let ([a, b, c], [x, y, z]) = (lengths, periodic.map(|is| if is { "T" } else { "F" }));
+        let lattice = format!("Lattice=\"{a:?} 0.0 0.0 0.0 {b:?} 0.0 0.0 0.0 {c:?}\"");
+        Ok(Self { cell: format!("{lattice} pbc=\"{x} {y} {z}\""), ..self })
     }
 }
 
@@ -351,7 +377,7 @@ impl<W: Write + Send + 'static> Writer for Xyz<W> {
         for row in 0..rows.len() {
             let (step, trajectory, time) = (rows.steps[row], rows.trajectories[row], rows.times[row]);
             writeln!(self.to, "{bodies}")?;
-            write!(self.to, "Properties=species:S:1:pos:R:3{momenta} pbc=\"F F F\" ")?;
+            write!(self.to, "Properties=species:S:1:pos:R:3{momenta} {} ", self.cell)?;
             write!(self.to, "Time={time:?} Step={step} Trajectory={trajectory}")?;
             for (name, numbers) in &others {
                 let numbers = numbers[row].iter().map(|x| format!("{x:?}")).collect::<Vec<_>>();
