@@ -8,7 +8,7 @@ use crate::{lanes_phase, lanes_rigid};
 use rattle::bodies::Count;
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::effect::{DryFriction, Effects, Langevin, MagneticField};
-use rattle::ensemble::InstructionSet;
+use rattle::ensemble::{InstructionSet, NotInLanes};
 use rattle::error::{EffectMistake, RecordMistake};
 use rattle::links::planar::Rod;
 use rattle::method::Method;
@@ -35,6 +35,8 @@ fn passes<C: Hold<D> + 'static, E: Effects<D>, N: Count, S: Method, const D: usi
     let check = || make().check_reversal(tolerance).unwrap();
     let (mut plain, mut checked, mut divided) = (make(), check(), check());
     assert_eq!(plain.plan().in_lanes == starts.len(), InstructionSet::widest().fuses(), "{:?}", plain.plan());
+    assert_eq!((checked.plan().in_lanes, checked.plan().alone), (0, starts.len()));
+    assert!(!InstructionSet::widest().fuses() || checked.plan().reason == Some(NotInLanes::TakenBack));
     plain.run(40);
     checked.run(40);
     [1, 22, 17].into_iter().for_each(|steps| divided.run(steps));
@@ -160,7 +162,8 @@ fn what_cannot_be_checked_is_refused() {
     let mut rough = rough.ensemble(starts(), Rattle::new(0.01)).unwrap().check_reversal(1e-13).unwrap();
     assert_eq!(rough.plan().alone, 3);
     rough.run(200);
-    println!("{:?}", rough.failures().next());
+    let failures = rough.failures().map(|(_, error)| matches!(error, Error::NotReversed { .. }));
+    assert_eq!(failures.collect::<Vec<_>>(), [true; 3]);
 }
 
 /// The check is a part of a run: a checkpoint is not taken up without it, or with another tolerance.

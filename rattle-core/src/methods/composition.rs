@@ -78,6 +78,7 @@ impl<B: Method> Method for Composition<B> {
     const CHECKS: bool = B::CHECKS;
     const DRAWS: bool = B::DRAWS;
     const STIRS: bool = B::STIRS;
+    const KEEPS_FORCES: bool = B::KEEPS_FORCES;
 
     fn step_size(&self) -> f64 {
         self.base.step_size()

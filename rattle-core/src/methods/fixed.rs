@@ -62,6 +62,9 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// Whether the map applies the [flows](crate::effect::Flow) of momenta inside its step.
     const STIRS: bool = false;
 
+    /// As [`Method::KEEPS_FORCES`].
+    const KEEPS_FORCES: bool = false;
+
     /// After how many of its [stages](Self::stages) the map applies the flows, where it [does so](Self::STIRS) and is a
     /// splitting.
     fn stirs_after(&self) -> usize {
@@ -174,6 +177,7 @@ impl<M: Map> Method for Fixed<M> {
         M::EVALUATIONS.or(stages)
     }
     const STIRS: bool = M::STIRS;
+    const KEEPS_FORCES: bool = M::KEEPS_FORCES;
     fn stirs_after(&self) -> usize {
         self.map.stirs_after()
     }

@@ -51,6 +51,7 @@ impl Map for KickDriftsKick {
     const NAME: &'static str = "geodesic RATTLE";
     const ORDER: u32 = 2;
     const SYMMETRIC: bool = true;
+    const KEEPS_FORCES: bool = true;
 
     const SPLITTING: Splitting = Splitting::Stages;
     const EVALUATIONS: Option<usize> = Some(1);

@@ -113,6 +113,7 @@ impl<G: Guess, X: Iteration> Method for Rattle<G, X> {
     fn is_symmetric(&self) -> bool {
         true
     }
+    const KEEPS_FORCES: bool = true;
     const SPLITTING: Splitting = Splitting::OneStage;
     fn stages(&self) -> Vec<Stage> {
         vec![Stage { before: 0.5 * self.h, h: self.h, after: 0.5 * self.h }]

@@ -33,7 +33,7 @@ use crate::methods::rattle;
 use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::Newton;
-use crate::motion::method::{Method, Splitting, Stage, View};
+use crate::motion::method::{Method, Stage, View};
 use crate::motion::need::{Steps, WithRates};
 use crate::motion::parts::BodiesOf;
 use crate::motion::system::System;
@@ -103,9 +103,9 @@ impl<B: Method> Variable<B> {
         bodies: &mut BodiesOf<Y, T, D>,
     ) -> Result<(f64, f64), Failure> {
         let delta = PROBE * self.step_size().abs();
-        if const { !matches!(B::SPLITTING, Splitting::OneStage) } {
+        if const { !B::KEEPS_FORCES } {
             let (_, system, _) = all;
-            system.evaluate_forces(bodies); // a step that ends with a drift leaves those before it
+            system.evaluate_forces(bodies);
         }
         let mut probe = |delta: f64| {
             bodies.with_room(1, |bodies, before, rates| {

@@ -117,6 +117,9 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// [pushes](crate::effect::Acting::PUSHES).
     const FORGETS: bool = false;
 
+    /// Whether a step ends with the forces at its end, so that who asks for them there need not evaluate them anew.
+    const KEEPS_FORCES: bool = false;
+
     /// Whether a step is a splitting into [stages](Self::stages). A constant of the type, so that the SIMD code of
     /// ensembles is compiled for such methods alone.
     const SPLITTING: Splitting = Splitting::Not;

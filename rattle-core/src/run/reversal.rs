@@ -2,31 +2,12 @@
 
 use crate::error::Error;
 use crate::methods::able::{no_way_back, view};
-use crate::motion::bodies::{Body, Saved};
+use crate::motion::bodies::Body;
 use crate::motion::method::{Method, check_tolerance};
 use crate::motion::system::System;
 use crate::run::seldom::seldom;
-use crate::run::simulation::Simulation;
+use crate::run::simulation::{Reversal, Simulation};
 use crate::run::trouble::Trouble;
-
-/// What it takes to take a step back and go on as if it had not been.
-pub(super) struct Reversal<Y: System<f64, D>, S: Method, const D: usize> {
-    /// What takes a step in so many parts back: compiled for those who ask for it.
-    pub(super) take: fn(&mut Simulation<Y, S, D>, u32) -> Result<(), Trouble>,
-    pub(super) tolerance: f64,
-    backwards: S,
-    after: Saved<Y::Count, f64, D>,
-    /// That of a method that has not made a step.
-    blank: S::Memory<f64>,
-    memory: S::Memory<f64>,
-}
-
-impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Reversal<Y, S, D> {
-    fn clone(&self) -> Self {
-        let (after, blank, memory) = (self.after.clone(), self.blank.clone(), self.memory.clone());
-        Self { backwards: self.backwards.clone(), after, blank, memory, ..*self }
-    }
-}
 
 /// Refuses a check of the steps of this method in this system, if there is no way back.
 ///

@@ -15,7 +15,6 @@ use crate::motion::system::System;
 use crate::motion::witness::{Hears, Witness};
 use crate::number::clock::{later, steps_to};
 use crate::run::events::{Events, Stretch};
-use crate::run::reversal::Reversal;
 use crate::run::trouble::Trouble;
 use crate::run::watch::listening::{Held, Listening};
 use crate::run::watch::observer::Observer;
@@ -69,6 +68,25 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Copy for Halving<Y, S, D> {}
 impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Halving<Y, S, D> {
     fn clone(&self) -> Self {
         *self
+    }
+}
+
+/// What it takes to take a step back and go on as if it had not been.
+pub(super) struct Reversal<Y: System<f64, D>, S: Method, const D: usize> {
+    /// What takes a step in so many parts back: compiled for those who ask for it.
+    pub(super) take: fn(&mut Simulation<Y, S, D>, u32) -> Result<(), Trouble>,
+    pub(super) tolerance: f64,
+    pub(super) backwards: S,
+    pub(super) after: Saved<Y::Count, f64, D>,
+    /// That of a method that has not made a step.
+    pub(super) blank: S::Memory<f64>,
+    pub(super) memory: S::Memory<f64>,
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Reversal<Y, S, D> {
+    fn clone(&self) -> Self {
+        let (after, blank, memory) = (self.after.clone(), self.blank.clone(), self.memory.clone());
+        Self { backwards: self.backwards.clone(), after, blank, memory, ..*self }
     }
 }
 

@@ -50,6 +50,9 @@ pub enum NotInLanes {
     /// In lanes, flows of momenta act on bodies that a splitting into kicks and drifts moves.
     #[error("flows of momenta act in lanes on bodies that are moved by kicks and drifts")]
     Flows,
+    /// Steps are [taken back](crate::run::ensemble::Ensemble::check_reversal): lanes look less closely at them.
+    #[error("steps are taken back and compared, at which lanes look less closely than simulations")]
+    TakenBack,
     /// The bodies, or the constraints and links between them, have no form in lanes, or scenes of a sweep differ in
     /// more than parameters.
     #[error(
@@ -59,6 +62,13 @@ pub enum NotInLanes {
 }
 
 impl Plan {
+    /// All are left alone, since steps are taken back.
+    pub(super) fn take_back(&mut self) {
+        let Self { in_lanes, alone, reason } = *self;
+        let reason = if in_lanes > 0 { Some(NotInLanes::TakenBack) } else { reason };
+        *self = Self { in_lanes: 0, alone: alone + in_lanes, reason };
+    }
+
     /// So many more are left alone: for this reason, or because of bodies and constraints.
     pub(super) fn leave(&mut self, number: usize, why: Option<NotInLanes>) {
         self.alone += number;

@@ -14,8 +14,10 @@ use crate::run::ensemble::look::{Onlooker, Watched};
 use crate::run::simulation::MOST_HALVINGS;
 use crate::run::watch::seen::Page;
 use crate::run::watch::sight::Source;
+use rayon::prelude::*;
 use std::array::from_fn;
 use std::hint::black_box;
+use std::mem::take;
 
 /// Steps after which lanes are put back: what is gone through again when one fails.
 pub(in crate::run) const STRETCH: u64 = 1024;
@@ -225,17 +227,19 @@ impl<const D: usize> SideBySide<D> {
             (0..self.engine.width()).filter(|&lane| together[lane] && self.crowded[lane]).collect();
         let mut stuck: Vec<_> = alone.into_iter().map(|lane| Stuck { lane, failure: None }).collect();
         loop {
-            for Stuck { lane, failure } in stuck.drain(..) {
-                if !together[lane] {
-                    continue; // told of a copy, too
-                }
-                self.crowded[lane] |= failure.is_none();
-                match self.by_itself(lane, failure, steps) {
+            let mut own = Vec::new();
+            for of in stuck.drain(..) {
+                if take(&mut together[of.lane]) {
+                    self.crowded[of.lane] |= of.failure.is_none();
+                    own.push(of);
+                } // else told of a copy, too
+            }
+            for (lane, moved) in self.by_themselves(own, steps) {
+                match moved {
                     Ok(moved) => apart.push((lane, moved)),
                     Err(_) if steps > 1 => fails = true, // but it is still seen who else is in a crowd
                     Err(failure) => self.end(lane, failure),
                 }
-                together[lane] = false;
             }
             self.stand_in(&together);
             if !together.contains(&true) {
@@ -282,6 +286,15 @@ impl<const D: usize> SideBySide<D> {
         self.ended.push(Ended { lane, steps: self.steps, bodies, work, failure });
         (self.moving[lane], self.crowded[lane]) = (false, false);
         self.own.retain(|own| own.0 != lane);
+    }
+
+    /// Where these trajectories are after so many steps by themselves; on all cores where that is what all do.
+    fn by_themselves(&self, stuck: Vec<Stuck>, steps: u64) -> Vec<(usize, Result<Moved<D>, Error>)> {
+        let moved = |Stuck { lane, failure }| (lane, self.by_itself(lane, failure, steps));
+        match self.checked {
+            Some(_) => stuck.into_par_iter().map(moved).collect(),
+            None => stuck.into_iter().map(moved).collect(),
+        }
     }
 
     /// Where a trajectory is after so many steps by itself, or if it failed in one, after that in parts, as often
@@ -442,6 +455,9 @@ impl<const D: usize> Group<D> for SideBySide<D> {
         let running = time(&mut || self.clone().run(u64::from(BILLED), None));
         let step = each * (running - copying).max(0.0);
         let mut items = Vec::new();
+        if self.checked.is_some() {
+            return Ok(Bill::new(step, items, "steps by themselves, that are taken back".to_string(), 1));
+        }
         let names = self.engine.forces();
         if !names.is_empty() {
             let nanoseconds = each * time(&mut || self.engine.kick_alone(BILLED));

@@ -289,9 +289,9 @@ impl<const D: usize> Ensemble<D> {
     /// A trajectory whose step does not lead back fails, or takes it in parts if there is [`retry`](Self::retry). A
     /// hybrid Monte Carlo method rejects such a proposal.
     ///
-    /// Lanes look less closely at a step than simulations do, so that a step that is taken might be refused on the way
-    /// back. So all trajectories go by themselves from then on, each in once to twice the time of a checked simulation,
-    /// spread over all cores.
+    /// Lanes look less closely at a step than simulations do: what is taken might be refused on the way back. So all go
+    /// by themselves from then on, on all cores, each in once to twice the time of a checked simulation; those of a
+    /// [`Single`](crate::run::ensemble::Single) ensemble in single precision, which meets no tolerance below 1e-6.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle};
@@ -303,7 +303,6 @@ impl<const D: usize> Ensemble<D> {
     ///
     /// # Errors
     /// Those of a simulation.
-    #[doc(alias = "time reversal")]
     #[doc(alias = "reversibility")]
     pub fn check_reversal(mut self, tolerance: f64) -> Result<Self, Error> {
         check_tolerance(Some(tolerance))?;
@@ -311,6 +310,7 @@ impl<const D: usize> Ensemble<D> {
             return Err(error);
         }
         self.groups.iter_mut().try_for_each(|group| group.check_reversal(tolerance))?;
+        self.plan.take_back();
         Ok(self)
     }
 

@@ -55,7 +55,9 @@ impl<const D: usize> Search<D> {
             return false;
         }
         let (rates, number) = (&mut self.normals[0], start.q.as_ref().len());
-        system.evaluate_forces(bodies); // a step that ends with a drift leaves those before it
+        if const { !S::KEEPS_FORCES } {
+            system.evaluate_forces(bodies);
+        }
         capability.evaluate_rates(bodies, rates, &mut ());
         // A velocity that several bodies have in common takes them past no gap between them, nor to a wall unnoticed.
         let mut common = [0.0; D];
