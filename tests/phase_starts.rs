@@ -236,3 +236,90 @@ fn starts_are_held_to_the_coordinates_that_matter() {
         assert!((p[1] - 0.08).abs().max((p[2] + 0.06).abs()) < 1e-16 * (1.0 + far), "{far:e}: {p:?}");
     }
 }
+
+phase_constraint! {
+    /// Their bracket is −p₀: zero with the first.
+    struct Pair {}
+    |q: [f64; 3], p: [f64; 3]| [p[0], p[1] + q[0] * p[0]]
+}
+hamiltonian! {
+    /// A quadratic well in which no axis is by itself.
+    struct Well {}
+    |q: [f64; 3], p: [f64; 3]|
+        dot(p, p) / 2
+            + 0.65 * (q[0] - 0.7 - 0.3 * q[2])^2
+            + 0.45 * (q[1] - 0.4 + 0.2 * q[2])^2
+            + q[2]^2 / 2
+            + 0.17 * q[0] * q[1]
+}
+phase_constraint! {
+    /// No angular momentum.
+    struct Straight {}
+    |q: [f64; 2], p: [f64; 2]| q[0] * p[1] - q[1] * p[0]
+}
+hamiltonian! {
+    /// A well with an axis along (x, y), steeper across.
+    struct Valley { x, y }
+    |q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + (x * q[0] + y * q[1])^2 / 2 + 1.5 * (x * q[1] - y * q[0])^2
+}
+
+/// 10 steps there and 10 back, from each state anew, as a simulation and as a lane: the body rests where it did.
+macro_rules! there_and_back {
+    ($scene:expr, $start:expr, $what:expr) => {{
+        let (scene, start, what) = ($scene, $start, $what);
+        let mut states = [start.clone(), start.clone()];
+        for h in [0.05, -0.05, 0.05, -0.05] {
+            let [alone, lane] = states;
+            let mut alone =
+                scene.simulate(alone, Rattle::new(h)).unwrap_or_else(|e| panic!("{what}, {h}: {e}"));
+            alone.run(10).unwrap_or_else(|error| panic!("{what}, {h}: {error}"));
+            let mut lanes = scene
+                .ensemble(vec![lane; 3], Rattle::new(h))
+                .unwrap_or_else(|error| panic!("{what}, {h}, lanes: {error}"));
+            lanes.run(10);
+            assert!(lanes.failure(1).is_none(), "{what}, {h}, lanes: {:?}", lanes.failure(1));
+            states = [alone.state(), lanes.state(1)];
+            let back = h < 0.0;
+            for state in &states {
+                let off = (state.positions().next().unwrap() - start.positions().next().unwrap()).amax();
+                let p = state.momenta().next().unwrap().amax();
+                assert!(!back || (off < 1e-14 && p < 1e-14), "{what}: off by {off:e}, {p:e}");
+                assert!(back || (off > 1e-3 && p > 1e-3), "{what}: it has moved by {off:e} only");
+            }
+        }
+    }};
+}
+
+/// At rest all terms of brackets are nothing.
+#[test]
+fn equations_that_commute_where_they_hold_do_so_at_rest() {
+    let scene = Scene::in_phase_space(Pair {}, Well {});
+    for far in [1.0, -0.77, 0.9] {
+        // Where no force acts along the first two axes.
+        let [x, y] = [1.3 * (0.7 + 0.3 * far), 0.9 * (0.4 - 0.2 * far)];
+        let determinant = 1.3 * 0.9 - 0.17 * 0.17;
+        let q = [(0.9 * x - 0.17 * y) / determinant, (1.3 * y - 0.17 * x) / determinant, far];
+        there_and_back!(scene, scene.project(&State::at(q)).unwrap(), format!("{far}"));
+    }
+}
+
+/// And those of equations of momenta.
+#[test]
+fn bodies_at_rest_satisfy_equations_of_momenta() {
+    for (i, r) in [1.0, 0.8, 1.3, 0.55, 0.77, 0.31].into_iter().enumerate() {
+        let (y, x) = (0.7 + 0.1 * i as f64).sin_cos();
+        let scene = Scene::in_phase_space(Straight {}, Valley { x, y });
+        there_and_back!(scene, State::at([r * x, r * y]), format!("{r}"));
+    }
+}
+
+/// What is no rounding is told: a part of 1e-6 of all angular momentum, and of the first equation of a pair.
+#[test]
+fn starts_near_rest_are_held_to_their_equations() {
+    let scene = Scene::in_phase_space(Straight {}, Valley { x: 0.6, y: 0.8 });
+    let start = |part: f64| State::at([0.6, 0.8]).moving([0.06 - 0.08 * part, 0.08 + 0.06 * part]);
+    scene.simulate(start(0.0), Rattle::new(0.05)).unwrap();
+    assert!(scene.simulate(start(1e-6), Rattle::new(0.05)).is_err());
+    let scene = Scene::in_phase_space(Pair {}, Well {});
+    assert!(scene.simulate(State::at([0.7, 0.2, 1.0]).moving([1e-9, 0.0, 0.0]), Rattle::new(0.05)).is_err());
+}

@@ -10,7 +10,7 @@ use crate::number::vector::{add_scaled, largest, scaled, sum};
 use crate::number::vectors::{at, put};
 use crate::run::ensemble::phase_fibre::{BY_ITSELF, GOES, RESTS};
 use crate::run::ensemble::phase_row::{Each, Laws, Number, Points, ROW, Vector, ZEROS};
-use crate::systems::phase::point::{ROUNDING, ROUNDING_OF_BASE, STALLS};
+use crate::systems::phase::point::{MOVES, ROUNDING, ROUNDING_OF_BASE};
 
 /// Passes after which a lane goes by itself.
 const MOST_PASSES: usize = 40;
@@ -178,12 +178,15 @@ fn iterate<const D: usize>(
     x: &mut Vector<D>,
     going: &mut Each,
 ) {
-    let [zero, one, goes, rests, by_itself] = [0.0, 1.0, GOES, RESTS, BY_ITSELF].map(Fused);
+    let [zero, goes, rests, by_itself] = [0.0, GOES, RESTS, BY_ITSELF].map(Fused);
     let [half, two, epsilon, rounding] = [0.5, 2.0, f64::EPSILON, ROUNDING].map(Fused);
-    let [of_base, most_stalls] = [ROUNDING_OF_BASE, f64::from(STALLS)].map(Fused);
-    let (mut settling, mut last) = (ZEROS, [Fused(f64::INFINITY); ROW]);
-    // By what components were moved at least, and in how many passes since they were not halved.
-    let (mut least, mut stalls): (Vector<D>, Vector<D>) = ([[Fused(f64::INFINITY); ROW]; D], [ZEROS; D]);
+    let [of_base, infinity] = [ROUNDING_OF_BASE, f64::INFINITY].map(Fused);
+    let (mut settling, mut last) = (ZEROS, [infinity; ROW]);
+    // By what components were moved at least, and whether the last move was no half of it.
+    let (mut least, mut stalled): (Vector<D>, _) = ([[infinity; ROW]; D], [[false; ROW]; D]);
+    // Their largest move of the last few, and of those before; and whether that does not fall.
+    let (mut peak, mut peak_before): (Vector<D>, Vector<D>) = ([ZEROS; D], [[infinity; ROW]; D]);
+    let mut stuck = [[false; ROW]; D];
     let mut moved: Vector<D> = [ZEROS; D];
     for l in 0..ROW {
         settling[l] = Real::select(zero.le(going[l]), goes, rests);
@@ -219,14 +222,20 @@ fn iterate<const D: usize>(
             let (off, mut rested) = (largest(&at(&moved, l)), true);
             for d in 0..D {
                 let moved = moved[d][l];
-                let nearer = moved.lt(half * least[d][l]);
-                least[d][l] = Real::select(nearer, moved, least[d][l]);
-                stalls[d][l] = Real::select(nearer, zero, stalls[d][l] + one);
+                let (nearer, moves) = (moved.lt(half * least[d][l]), zero.lt(moved));
+                least[d][l] = Real::select(nearer & moves, moved, least[d][l]);
+                stalled[d][l] = (moves & !nearer) | (!moves & stalled[d][l]);
+                peak[d][l] = peak[d][l].max(moved);
+                if pass % MOVES == 0 {
+                    let (now, before) = (peak[d][l], peak_before[d][l]);
+                    let stays = before.le(now) & zero.lt(before);
+                    stuck[d][l] = stays | (stuck[d][l] & (half * before).le(now));
+                    (peak_before[d][l], peak[d][l]) = (now, zero);
+                }
                 let size = x[d][l].abs();
                 let own = (rounding * size).max(of_base * base[d][l].abs());
-                let stalled = one.le(stalls[d][l]) & moved.le(own);
-                let stuck = most_stalls.le(stalls[d][l]) & moved.le(all);
-                rested &= moved.le(epsilon * size) | stalled | stuck;
+                let of_all = stuck[d][l] & moved.max(peak_before[d][l]).le(all);
+                rested &= moved.le(epsilon * size) | (stalled[d][l] & moved.le(own)) | of_all;
             }
             let lost = end | (!off.lt(two * last[l]) & !off.le(all));
             let now = Real::select(rested, rests, Real::select(lost, by_itself, goes));

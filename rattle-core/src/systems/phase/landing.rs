@@ -82,7 +82,9 @@ where
         let change = slid.plus(&step.change);
         let at = start.plus(&self.low.plus(&change));
         let level = Level::of(self.constraint, &at, &start.reach(&change));
-        if !level.value.iter().all(|g| g.is_finite()) {
+        // H may have no value in coordinates that g does not depend on.
+        let Point { q, p } = &step.change;
+        if !level.value.iter().chain(q).chain(p).all(|x| x.is_finite()) {
             return Err(not_finite(start, &step.change));
         }
         Ok(There { change, kicked, step, level })

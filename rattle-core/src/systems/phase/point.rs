@@ -85,8 +85,13 @@ impl<const D: usize, const M: usize> Level<D, M> {
     {
         let (value, by_q, by_p) = constraint.value_and_jacobians(&at.q, &at.p);
         let gradients = from_fn(|i| Point { q: by_q[i], p: by_p[i] });
-        let (size, most) = (gradients.map(|g| g.size_along(reach)), reach.most());
-        Self { value, gradients, size, extent: gradients.map(|g| g.size_along(&most)) }
+        let size = gradients.map(|g| g.size_along(reach));
+        Self { value, gradients, size, extent: extents(&gradients, reach) }
+    }
+
+    /// As `extent`, of this reach.
+    pub(super) fn extent_of(&self, reach: &Point<D>) -> [f64; M] {
+        extents(&self.gradients, reach)
     }
 
     /// g as a part of what it is made of, its slopes times the largest coordinates.
@@ -181,10 +186,9 @@ impl<const D: usize, const M: usize> Hidden<D, M> {
         let gradients = parts.map(|[by_g, by_h]| by_g.plus(&by_h));
         let terms = parts
             .map(|[by_g, by_h]| fibres.map(|fibre| by_g.size_along(&fibre).max(by_h.size_along(&fibre))));
-        let most = reach.most();
         Self {
             value: level.gradients.map(|g| bracket(&g, &slope).0),
-            size: gradients.map(|h| h.size_along(&most)),
+            size: extents(&gradients, reach),
             slopes: gradients.map(|h| fibres.map(|fibre| h.along(&fibre))),
             terms,
             rates: gradients.map(|h| h.along(&free)),
@@ -201,8 +205,7 @@ impl<const D: usize, const M: usize> Hidden<D, M> {
 
     /// As `size`, of this reach.
     pub(super) fn size_of(&self, reach: &Point<D>) -> [f64; M] {
-        let most = reach.most();
-        self.gradients.map(|h| h.size_along(&most))
+        extents(&self.gradients, reach)
     }
 
     /// Whether N is singular here but for rounding, in whatever units the equations are.
@@ -236,6 +239,13 @@ fn units<const D: usize>(at: &Point<D>) -> [f64; 2] {
     at.sizes().map(|size| if size > 0.0 { size } else { 1.0 })
 }
 
+/// What the largest coordinates and momenta of a reach may add up to in functions with these gradients.
+#[inline(always)]
+fn extents<const D: usize, const M: usize>(gradients: &[Point<D>; M], reach: &Point<D>) -> [f64; M] {
+    let most = reach.most();
+    gradients.map(|slopes| slopes.size_along(&most))
+}
+
 /// {a, b} from gradients, and the size of its terms.
 fn bracket<const D: usize>(a: &Point<D>, b: &Point<D>) -> (f64, f64) {
     (dot(&a.q, &b.p) - dot(&a.p, &b.q), products(&a.q, &b.p) + products(&a.p, &b.q))
@@ -252,8 +262,9 @@ const MAX_ITERATIONS: usize = 60;
 pub(crate) const ROUNDING: f64 = 1e-13;
 /// And below this part of what it is added to: that is rounded where the equation is evaluated.
 pub(crate) const ROUNDING_OF_BASE: f64 = 4.0 * f64::EPSILON;
-/// After so many passes in which it was not halved, what is left may be rounding of the largest coordinate.
-pub(crate) const STALLS: u8 = 4;
+/// Where the largest of so many moves is no less than that of as many before, what is left may be rounding of the
+/// largest coordinate. Single moves say little: of what is coupled one passes zero while others are large.
+pub(crate) const MOVES: usize = 4;
 
 /// The Störmer–Verlet step of any energy, symplectic and symmetric:
 ///
@@ -306,15 +317,15 @@ impl<const D: usize> Verlet<D> {
 /// component that is small by cancellation has the rounding of that. What is no number is handed on.
 fn settle<const D: usize>(base: &[f64; D], f: impl Fn(&[f64; D]) -> [f64; D]) -> Option<[f64; D]> {
     let (mut x, mut last) = (f(&[0.0; D]), f64::INFINITY);
-    let mut left = [Left { least: f64::INFINITY, stalls: 0 }; D];
-    for _ in 0..MAX_ITERATIONS {
+    let mut left = [Left::NONE; D];
+    for pass in 1..=MAX_ITERATIONS {
         let next = f(&x);
         let moved = add_scaled(&next, -1.0, &x);
         x = next;
         let (most, all) = (largest(&moved), ROUNDING * largest(base).max(largest(&x)));
         let mut rests = true;
         for i in 0..D {
-            left[i].note(moved[i].abs());
+            left[i].note(moved[i].abs(), pass % MOVES == 0);
             rests &= left[i].is_rounding(moved[i].abs(), x[i].abs(), base[i].abs(), all);
         }
         if rests || moved.iter().any(|x| x.is_nan()) {
@@ -331,18 +342,34 @@ fn settle<const D: usize>(base: &[f64; D], f: impl Fn(&[f64; D]) -> [f64; D]) ->
 /// How a component of such an iteration comes nearer.
 #[derive(Clone, Copy)]
 struct Left {
-    /// The least that it was moved by, as it was halved again and again.
+    /// The least that it was moved by, as it was halved again and again; and whether the last move was no such half. A
+    /// component that does not move says nothing: others may move it in the next pass.
     least: f64,
-    /// Passes since.
-    stalls: u8,
+    stalled: bool,
+    /// The largest move of the last few, and of those before.
+    peak: f64,
+    peak_before: f64,
+    /// Whether that did not fall, and was not halved since.
+    stuck: bool,
 }
 
 impl Left {
+    const NONE: Self =
+        Self { least: f64::INFINITY, stalled: false, peak: 0.0, peak_before: f64::INFINITY, stuck: false };
+
+    /// A move, and whether it is the last one of a few.
     #[inline(always)]
-    fn note(&mut self, moved: f64) {
+    fn note(&mut self, moved: f64, last: bool) {
         let nearer = moved < 0.5 * self.least;
-        self.least = if nearer { moved } else { self.least };
-        self.stalls = if nearer { 0 } else { self.stalls.saturating_add(1) };
+        if moved > 0.0 {
+            (self.stalled, self.least) = (!nearer, if nearer { moved } else { self.least });
+        }
+        self.peak = self.peak.max(moved);
+        if last {
+            let fell = self.peak < self.peak_before || self.peak_before == 0.0;
+            self.stuck = !fell || (self.stuck && self.peak >= 0.5 * self.peak_before);
+            (self.peak_before, self.peak) = (self.peak, 0.0);
+        }
     }
 
     /// Whether what is left is rounding: of a component of size x, of what it is added to, or at last of the largest.
@@ -350,7 +377,7 @@ impl Left {
     fn is_rounding(&self, moved: f64, x: f64, base: f64, all: f64) -> bool {
         let own = (ROUNDING * x).max(ROUNDING_OF_BASE * base);
         moved <= f64::EPSILON * x
-            || (self.stalls > 0 && moved <= own)
-            || (self.stalls >= STALLS && moved <= all)
+            || (self.stalled && moved <= own)
+            || (self.stuck && moved.max(self.peak_before) <= all)
     }
 }

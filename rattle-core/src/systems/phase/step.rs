@@ -135,13 +135,13 @@ impl From<Clash> for PhaseMistake {
 }
 
 /// Whether the brackets of all equations are zero: against their terms, or where these are nothing themselves, at the
-/// rounding of coordinates that were as large as those of `reach`.
+/// rounding of coordinates that were as large as those of `reach`, which is asked only then.
 #[inline(always)]
 fn commute<K, const D: usize, const M: usize>(
     constraint: &K,
     level: &Level<D, M>,
     at: &Point<D>,
-    reach: &Point<D>,
+    reach: impl Fn() -> Point<D>,
 ) -> Result<(), Clash>
 where
     K: PhaseConstraintKernel<f64, D, M>,
@@ -151,7 +151,7 @@ where
             let (bracket, size) = level.bracket(first, second);
             let rounding = || {
                 let slopes = level.slopes_of_bracket(constraint, at, first, second);
-                NOISE * f64::EPSILON * slopes.size_along(&reach.most())
+                NOISE * f64::EPSILON * slopes.size_along(&reach().most())
             };
             let vanishes = bracket.abs() <= START_TOLERANCE * size || bracket.abs() <= rounding();
             if !vanishes {
@@ -191,7 +191,8 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             solve_along(h, [0.0; M], look, |seen| Some(seen.rest.slopes))?;
         if const { M > 1 } {
             let at = start.plus(&low.plus(&change));
-            commute(&self.constraint, &level, &at, &start.reach(&change))
+            // A body that comes to rest has momenta of the rounding of what the step gave and took.
+            commute(&self.constraint, &level, &at, || self.reach_of_step(&start.reach(&change), &at, h))
                 .map_err(|clash| clash.at(&at, h))?;
         }
         Ok((sigma, change, slopes))
@@ -231,21 +232,21 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         let level = &hidden.level;
         let mistake = |mistake| Err(StartFailure::Phase(mistake));
         let tolerance = START_TOLERANCE / f64::EPSILON;
+        // A body at rest has momenta of the rounding of what a step gives and takes.
+        let reach = self.reach_of_step(&at, &at, h);
         let (equation, off) = worst(&level.value, &level.size);
         // Where all terms are nothing, as those of q·p at q = 0, g is what rounding leaves of larger coordinates.
-        let rounded = worst(&level.value, &level.extent).1 <= NOISE;
+        let rounded = worst(&level.value, &level.extent_of(&reach)).1 <= NOISE;
         if off.is_nan() || (off > tolerance && !rounded) {
             let (value, share) = (level.value[equation], off * f64::EPSILON);
             return mistake(PhaseMistake::Off { equation, value, share, tolerance: START_TOLERANCE });
         }
-        commute(&self.constraint, level, &at, &at).map_err(|clash| StartFailure::Phase(clash.into()))?;
+        commute(&self.constraint, level, &at, || reach).map_err(|clash| StartFailure::Phase(clash.into()))?;
         if hidden.is_undetermined(&at) {
             let slopes = hidden.slopes.concat();
             return mistake(level.dependent(&at).unwrap_or(PhaseMistake::Undetermined { slopes }));
         }
         let (equation, off) = worst(&hidden.value, &hidden.own_size(&at));
-        // A body at rest has momenta of the rounding of what a step gives and takes.
-        let reach = at.reach(&self.free(&at).times(h));
         let rounded = worst(&hidden.value, &hidden.size_of(&reach)).1 <= NOISE;
         if off.is_nan() || (off > tolerance && !rounded) {
             let (rate, share) = (hidden.value[equation], off * f64::EPSILON);
@@ -316,11 +317,11 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         K: PhaseConstraintKernel<f64, D, M>,
         H: HamiltonianKernel<f64, D>,
     {
-        commute(&self.constraint, level, at, at)?;
+        commute(&self.constraint, level, at, || *at)?;
         let change = self.slide_from_afar(at)?;
         let there = at.plus(&change);
         let next = Level::of(&self.constraint, &there, &there);
-        commute(&self.constraint, &next, &there, &at.reach(&change))?;
+        commute(&self.constraint, &next, &there, || at.reach(&change))?;
         Ok(self.slide_from_afar(&there).map_or(there, |change| there.plus(&change)))
     }
 
@@ -393,6 +394,14 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
     {
         let (by_q, by_p) = self.energy.gradients(&at.q, &at.p);
         Point { q: by_p, p: by_q.map(|x| -x) }
+    }
+
+    /// This reach, or what a step of h from a point gives and takes, whichever is larger.
+    fn reach_of_step<const D: usize>(&self, reach: &Point<D>, at: &Point<D>, h: f64) -> Point<D>
+    where
+        H: HamiltonianKernel<f64, D>,
+    {
+        reach.reach(&self.free(at).times(h))
     }
 
     /// (q̇, ṗ).
