@@ -371,7 +371,7 @@ fn steps_that_end_with_a_drift_stay_on_their_density() {
 fn steps_in_parts_leave_the_rule_as_it_was() {
     let scene = Scene::point().with(rattle::potentials::planar::Kepler { mu: 1.0, centre: [0.0; 2] });
     let start = State::at([1.9, 0.0]).moving([0.0, (0.1_f64 / 1.9).sqrt()]);
-    let method = Variable::of(Rattle::new(0.2), 1.0);
+    let method = Variable::of(Rattle::new(0.4), 0.3);
     let mut whole = scene.simulate(start.clone(), method).unwrap();
     assert!(whole.run(2000).is_err(), "no step is taken in parts");
     let mut simulation = scene.simulate(start, method).unwrap().retry(8);
