@@ -95,7 +95,7 @@ impl<B: Method> Variable<B> {
         if change == 0.0 { (0.0, 1.0) } else { (self.tau * self.tau * change, size) }
     }
 
-    /// R and G. All is as before, and what is kept evaluated anew.
+    /// R and G, where forces are those at these places. All is as before, and what is kept evaluated anew.
     fn density<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         scale: f64,
@@ -103,10 +103,6 @@ impl<B: Method> Variable<B> {
         bodies: &mut BodiesOf<Y, T, D>,
     ) -> Result<(f64, f64), Failure> {
         let delta = PROBE * self.step_size().abs();
-        if const { !B::KEEPS_FORCES } {
-            let (_, system, _) = all;
-            system.evaluate_forces(bodies);
-        }
         let mut probe = |delta: f64| {
             bodies.with_room(1, |bodies, before, rates| {
                 let (_, system, _) = all;
@@ -233,6 +229,10 @@ impl<B: Method> Method for Variable<B> {
         let (base, ..) = system;
         self.base.with_step(h).step(base, bodies, &mut [], witness)?;
 
+        if const { !B::KEEPS_FORCES } {
+            let (_, moved, _) = system;
+            moved.evaluate_forces(bodies);
+        }
         let (wanted, slope) = self.density(scale, system, bodies)?;
         let density = middle + 0.5 * longest * slope;
         let near = (density / wanted - 1.0).abs() <= ASTRAY; // false for NaN

@@ -248,7 +248,6 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
     /// method, of which the block's is to come. False where the lane cannot hold it: where the first guess is farther
     /// off than twice the path of the step, which then has no end on the surface, it takes the digits of the way; and
     /// where either is no number.
-    #[inline(always)]
     pub(crate) fn set(
         &mut self,
         lane: usize,
