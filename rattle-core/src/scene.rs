@@ -6,6 +6,7 @@ use crate::effect::moment::Moment;
 use crate::effect::one::Effect;
 use crate::error::{Error, expect_variables};
 use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint};
+use crate::kernel::over::short_name;
 use crate::motion::bodies::{Body, Count, Many, One};
 pub use crate::motion::hold::{Hold, Kind, PhaseSpaces, Surfaces};
 use crate::motion::method::Method;
@@ -285,7 +286,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     #[doc(alias = "thermostat")]
     #[doc(alias = "gravity")]
     pub fn with<P: Effect<D, Kind>, Kind>(self, effect: P) -> Scene<C, With<E, P, Kind>, N, D> {
-        let effects = With { others: self.effects, effect, kind: PhantomData };
+        let (name, kind) = (short_name::<P>(), PhantomData);
+        let effects = With { others: self.effects, effect, name, kind };
         Scene { constraint: self.constraint, effects, count: self.count }
     }
 

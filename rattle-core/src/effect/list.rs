@@ -9,7 +9,6 @@ use crate::effect::one::{Acting, Effect};
 use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::effect::swept::Swept;
 use crate::error::{EffectMistake, Error};
-use crate::kernel::over::short_name;
 use crate::kernel::series::Order;
 use crate::number::lanes::{Lane, Lanes};
 use crate::number::real::Real;
@@ -159,6 +158,8 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 pub struct With<E, P, Kind> {
     pub(crate) others: E,
     pub(crate) effect: P,
+    /// What messages call it.
+    pub(crate) name: &'static str,
     pub(crate) kind: PhantomData<Kind>,
 }
 
@@ -219,7 +220,7 @@ impl<E: Effects<D>, P: Effect<D, Kind>, Kind, const D: usize> Effects<D> for Wit
     type Forces<T: Real> = Superposed<<P as Effect<D, Kind>>::Acting<T>, E::Forces<T>>;
 
     fn forces<T: Real>(&self) -> Self::Forces<T> {
-        Superposed { effect: self.effect.acting(), name: short_name::<P>(), others: self.others.forces() }
+        Superposed { effect: self.effect.acting(), name: self.name, others: self.others.forces() }
     }
 
     type Swept<S: Lane, const L: usize> = Superposed<<P as Effect<D, Kind>>::Swept<S, L>, E::Swept<S, L>>;
@@ -229,12 +230,12 @@ impl<E: Effects<D>, P: Effect<D, Kind>, Kind, const D: usize> Effects<D> for Wit
         Self: 'a,
     {
         let (effect, others) = (P::swept(|i| &lane(i).effect), E::swept(|i| &lane(i).others));
-        Superposed { effect, name: short_name::<P>(), others }
+        Superposed { effect, name: lane(0).name, others }
     }
 
     fn check(&self, bodies: usize) -> Result<(), Error> {
         self.others.check(bodies)?;
-        self.effect.check(short_name::<P>(), bodies)
+        self.effect.check(self.name, bodies)
     }
 }
 

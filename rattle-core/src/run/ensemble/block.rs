@@ -19,9 +19,11 @@
 use crate::effect::moment::Moment;
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
+use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
 use crate::motion::record::{Reading, Record};
+use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
@@ -248,7 +250,8 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
     /// method, of which the block's is to come. False where the lane cannot hold it: where the first guess is farther
     /// off than twice the path of the step, which then has no end on the surface, it takes the digits of the way; and
     /// where either is no number.
-    pub(crate) fn set(
+    #[inline(always)]
+    fn set(
         &mut self,
         lane: usize,
         laws: &impl Laws<S, D>,
@@ -294,14 +297,14 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
 
     /// Position of a lane, and what rounding took from it.
     #[inline(always)]
-    pub(crate) fn position(&self, lane: usize) -> [[S; D]; 2] {
+    fn position(&self, lane: usize) -> [[S; D]; 2] {
         [at(&self.q, lane), self.q_low.first().map_or([S::default(); D], |low| at(low, lane))]
     }
 
     /// Momentum of a lane, and what rounding took from it: with the kick of the step to come taken back, and along the
     /// surface where the trajectory is, not where it was before the last correction.
     #[inline(always)]
-    pub(crate) fn momentum(&self, lane: usize, laws: &impl Laws<S, D>, parts: &[Part]) -> [[S; D]; 2] {
+    fn momentum(&self, lane: usize, laws: &impl Laws<S, D>, parts: &[Part]) -> [[S; D]; 2] {
         let part = &parts[self.part];
         let over = S::from_f64(1.0 / part.unit);
         let ahead = scaled(over, &at(&self.way, lane));
@@ -313,6 +316,13 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         let (_, back) = normal.projection(&sum(&ahead, &change));
         let (p, low) = two_sum(&ahead, &sum(&change, &back));
         [p, low.map(|x| if SUMS == 0 { S::default() } else { x })]
+    }
+
+    /// The body of a lane.
+    #[inline(always)]
+    fn body(&self, lane: usize, laws: &impl Laws<S, D>, parts: &[Part]) -> Body<S, D> {
+        let ([q, q_low], [p, p_low]) = (self.position(lane), self.momentum(lane, laws, parts));
+        Body { q, q_low, p, p_low }
     }
 
     /// Positions and momenta of all lanes, see [`momentum`](Self::momentum).
@@ -395,6 +405,85 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
             }
         }
         Ok(())
+    }
+}
+
+/// A block and what its lanes obey, of which one lane is set or shown: by narrow instructions, which fuse.
+pub(super) struct OfLane<'a, B, X> {
+    pub(super) block: B,
+    pub(super) lane: usize,
+    pub(super) laws: &'a X,
+    pub(super) parts: &'a [Part],
+}
+
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>
+    OfLane<'_, &mut Block<S, L, D, SUMS, EQUAL>, X>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    /// [Puts](Block::set) a body there; returns whether the lane can hold it, and whether what is shown of its momentum
+    /// are numbers.
+    pub(super) fn set(self, body: &Body<f64, D>, set: Fusing) -> [bool; 2] {
+        set.run_narrow(Setting(self, body.map(S::from_f64)))
+    }
+}
+
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>
+    OfLane<'_, &Block<S, L, D, SUMS, EQUAL>, X>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    /// The body there.
+    pub(super) fn body(self, set: Fusing) -> Body<f64, D> {
+        set.run_narrow(Showing(self))
+    }
+}
+
+/// See [`OfLane::set`].
+struct Setting<'a, 'b, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    OfLane<'a, &'b mut Block<S, L, D, SUMS, EQUAL>, X>,
+    Body<S, D>,
+);
+
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
+    for Setting<'_, '_, S, X, L, D, SUMS, EQUAL>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    type Done = [bool; 2];
+
+    #[inline(always)]
+    fn run(self) -> [bool; 2] {
+        let Self(OfLane { block, lane, laws, parts }, Body { q, q_low, p, p_low }) = self;
+        let holds = block.set(lane, laws, parts, [q, q_low], [p, p_low]);
+        let mut numbers = true;
+        for p in block.momentum(lane, laws, parts)[0] {
+            numbers &= is_finite(p);
+        }
+        [holds, numbers]
+    }
+}
+
+/// See [`OfLane::body`].
+struct Showing<'a, 'b, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    OfLane<'a, &'b Block<S, L, D, SUMS, EQUAL>, X>,
+);
+
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
+    for Showing<'_, '_, S, X, L, D, SUMS, EQUAL>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    type Done = Body<f64, D>;
+
+    #[inline(always)]
+    fn run(self) -> Body<f64, D> {
+        let Self(OfLane { block, lane, laws, parts }) = self;
+        block.body(lane, laws, parts).map(S::to_f64)
     }
 }
 

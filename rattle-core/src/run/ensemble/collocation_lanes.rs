@@ -19,7 +19,7 @@ use crate::number::vectors::at;
 use crate::run::ensemble::around::{ask_around, look_as_far};
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::crossing::crossings;
-use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::engine::{Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::lane_record::InRows;
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::row::{End, LOOKING, Row, Scratch, Tableau};
@@ -43,8 +43,6 @@ pub(crate) struct CollocationLanes<S, X, const L: usize, const D: usize, const S
     table: &'static Table<N>,
     tableau: Tableau<S, N>,
     h: f64,
-    /// The tolerance to which steps are taken back.
-    checked: Option<f64>,
     set: Fusing,
 }
 
@@ -53,7 +51,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
 {
     /// Lanes, none of them set, that obey these laws by the method with this table and steps of h.
     pub(crate) fn new(laws: X, table: &'static Table<N>, h: f64, set: Fusing) -> Self {
-        Self { row: Row::new(), laws, table, tableau: Tableau::of(table, h), h, checked: None, set }
+        Self { row: Row::new(), laws, table, tableau: Tableau::of(table, h), h, set }
     }
 }
 
@@ -101,10 +99,6 @@ where
         }
     }
 
-    fn check_reversal(&mut self, tolerance: f64) {
-        self.checked = Some(tolerance);
-    }
-
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
         vec![self.row.body(lane).map(S::to_f64)]
     }
@@ -113,18 +107,16 @@ where
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        _: u64,
-        steps: u64,
-        parts: u32,
+        OwnSteps { number, parts, checked, .. }: OwnSteps,
         _: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
-        let Self { laws, table, h, checked, .. } = self;
+        let Self { laws, table, h, .. } = self;
         let system = system_of(laws, lane);
         let mut bodies = system.bodies(&[bodies[0].map(S::from_f64)], 0.0);
-        for _ in 0..steps {
+        for _ in 0..number {
             let start = apart(&system, table, *h, parts, &mut bodies, &mut [])?;
             system.check_sheets(*h, &start, &mut bodies)?;
-            if let Some(tolerance) = *checked {
+            if let Some(tolerance) = checked {
                 let (end, back) = (bodies.saved(), -h / f64::from(parts));
                 system.put_back(&mut bodies, &end); // the way back begins anew
                 let mut step =

@@ -84,6 +84,18 @@ pub(crate) struct Leg<'a, const D: usize> {
     pub(crate) shown: bool,
 }
 
+/// Steps that a lane takes by itself.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OwnSteps {
+    /// Steps since the start, before these.
+    pub(crate) from: u64,
+    pub(crate) number: u64,
+    /// Equal parts of each.
+    pub(crate) parts: u32,
+    /// Whether each is taken back, and to which tolerance it is compared; by symmetric methods alone.
+    pub(crate) checked: Option<f64>,
+}
+
 /// Where lanes are to go, leg by leg.
 pub(crate) trait Tour<const D: usize> {
     /// Shows what was written after the leg before, and says what the next one is.
@@ -120,9 +132,8 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
 
     /// The bodies of a lane.
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>>;
-    /// Where bodies that obey what a lane does are after so many steps, each in so many equal parts, by themselves:
-    /// each step is looked at, and sums are compensated. `from` steps were taken since the start, and so many flows
-    /// acted where the first of these was tried before; `place` is that number after it too.
+    /// Where bodies that obey what a lane does are after these steps by themselves: each step is looked at, and sums
+    /// are compensated. `place` is how many flows acted where the first of these was tried before, and after it too.
     ///
     /// # Errors
     /// Says why they cannot be moved.
@@ -130,18 +141,13 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        from: u64,
-        steps: u64,
-        parts: u32,
+        steps: OwnSteps,
         place: &mut u64,
     ) -> Result<Moved<D>, Trouble>;
     /// Whether steps can be repeated in parts.
     fn divides(&self) -> bool {
         true
     }
-    /// From now on each step that a lane takes by itself is taken back, and compared to this tolerance; said of
-    /// symmetric methods alone.
-    fn check_reversal(&mut self, _tolerance: f64) {}
     /// Says of which trajectory a lane draws the random numbers, and where and when that starts.
     fn draw_as(&mut self, _lane: usize, _draws: Draws) {}
     /// The work of flows on a lane since the start, which is copied with it; none where there are no flows.

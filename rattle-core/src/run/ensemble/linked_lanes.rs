@@ -11,7 +11,7 @@ use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::by_itself::placed;
-use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::lane_record::{read_all, write_all};
 use crate::run::ensemble::linked_going::{Steps, Velocities, Wide, Width};
@@ -52,8 +52,6 @@ pub(super) struct LinkedLanes<F, const D: usize, const W: usize> {
     /// The part of the method's step that comes next.
     part: usize,
     account: Account,
-    /// The tolerance to which steps are taken back.
-    checked: Option<f64>,
 }
 
 /// What is kept of each lane where flows act, or momenta are drawn anew; empty otherwise.
@@ -90,7 +88,6 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLanes<F, D, W> {
             numbers,
             part: 0,
             account,
-            checked: None,
         }
     }
 }
@@ -266,7 +263,6 @@ where
             numbers,
             part,
             account,
-            checked: self.checked,
         }))
     }
 
@@ -363,10 +359,6 @@ where
         }
     }
 
-    fn check_reversal(&mut self, tolerance: f64) {
-        self.checked = Some(tolerance);
-    }
-
     fn draw_as(&mut self, lane: usize, draws: Draws) {
         if self.obeyed.stirring.is_some()
             && let Some(stirring) = &mut Arc::make_mut(&mut self.obeyed).stirring
@@ -398,9 +390,7 @@ where
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        from: u64,
-        steps: u64,
-        parts: u32,
+        steps: OwnSteps,
         place: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
         let law = self.law(lane);
@@ -410,19 +400,26 @@ where
         if let Some(renewal) = *renewal
             && let Some(stirring) = &self.obeyed.stirring
         {
-            let noise = |number| stirring.rhythm.noise(lane, from + number);
-            return Ok(renewed_lanes::by_itself::<f64, _, D>(system, renewal, *h, &noise, steps, bodies)?);
+            let noise = |step| stirring.rhythm.noise(lane, steps.from + step);
+            return Ok(renewed_lanes::by_itself::<f64, _, D>(
+                system,
+                renewal,
+                *h,
+                &noise,
+                steps.number,
+                bodies,
+            )?);
         }
         if const { F::FLOWS > 0 }
             && let Some(stirring) = &self.obeyed.stirring
         {
             let rhythm = &stirring.rhythm;
-            let at = |steps| (rhythm.noise(lane, from + steps), rhythm.now(lane, from + steps));
+            let at = |step| (rhythm.noise(lane, steps.from + step), rhythm.now(lane, steps.from + step));
             let (after, work) = (rhythm.after, self.account.work[lane]);
             let stirred = StirredAlone { after, at: &at, place, work };
-            return by_itself::<f64, _, D>(system, stages, Some(stirred), steps, parts, bodies, self.checked);
+            return by_itself::<f64, _, D>(system, stages, Some(stirred), steps, bodies);
         }
-        by_itself::<f64, _, D>(system, stages, None, steps, parts, bodies, self.checked)
+        by_itself::<f64, _, D>(system, stages, None, steps, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {

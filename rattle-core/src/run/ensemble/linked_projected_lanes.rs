@@ -13,7 +13,7 @@ use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::by_itself::{placed, step, steps};
-use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::engine::{Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::lane_record::{of_projected, read_all, write_all};
 use crate::run::ensemble::linked_going::{Wide, Width};
@@ -200,15 +200,13 @@ where
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        _: u64,
-        steps: u64,
-        parts: u32,
+        OwnSteps { number, parts, .. }: OwnSteps,
         _: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
         let law = self.laws.law(lane);
         let ready = law.ready(bodies, self.method.step_size());
         let system = ready.as_ref().unwrap_or(&law.system);
-        Ok(self::steps(&self.method, (system, system), bodies, steps, parts)?)
+        Ok(self::steps(&self.method, (system, system), bodies, number, parts)?)
     }
 
     fn kick_alone(&self, steps: u32) {

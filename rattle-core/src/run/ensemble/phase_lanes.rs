@@ -9,7 +9,7 @@ use crate::motion::record::{Hallmark, Reading, Record};
 use crate::number::instructions::{Fusing, Work};
 use crate::number::vectors::MOST_COORDINATES;
 use crate::run::answers::Obeying;
-use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::engine::{Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::lane_record::InRows;
 use crate::run::ensemble::phase_row::{Laws, ROW, Row, Swept};
 use crate::run::ensemble::phase_step::{Scratch, step};
@@ -52,8 +52,6 @@ where
     pace: Pace,
     stages: Arc<[Stage]>,
     h: f64,
-    /// The tolerance to which steps are taken back.
-    checked: Option<f64>,
     set: Fusing,
 }
 
@@ -92,7 +90,6 @@ where
             pace: Pace::unknown(),
             stages: stages.into(),
             h,
-            checked: None,
             set,
         }
     }
@@ -144,10 +141,6 @@ where
         }
     }
 
-    fn check_reversal(&mut self, tolerance: f64) {
-        self.checked = Some(tolerance);
-    }
-
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
         self.bodies.iter().map(|row| row.body(lane)).collect()
     }
@@ -156,12 +149,10 @@ where
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        _: u64,
-        steps: u64,
-        parts: u32,
+        steps: OwnSteps,
         _: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
-        by_itself::<f64, _, D>(self.system(lane), &self.stages, None, steps, parts, bodies, self.checked)
+        by_itself::<f64, _, D>(self.system(lane), &self.stages, None, steps, bodies)
     }
 
     /// Forces are not apart from the rest.

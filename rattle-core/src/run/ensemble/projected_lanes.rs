@@ -13,7 +13,7 @@ use crate::number::vector::{add_scaled, largest, sum};
 use crate::number::vectors::at;
 use crate::run::ensemble::around::{ask_around, look_as_far};
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
-use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::engine::{Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::lane_record::{InRows, of_projected};
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::projected::{Projects, advance};
@@ -131,13 +131,11 @@ where
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        _: u64,
-        steps: u64,
-        parts: u32,
+        OwnSteps { number, parts, .. }: OwnSteps,
         _: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
         let body = bodies[0].map(S::from_f64);
-        let (body, _) = self.alone(&self.laws, lane, &body, [0, steps], parts, 0.0)?;
+        let (body, _) = self.alone(&self.laws, lane, &body, [0, number], parts, 0.0)?;
         Ok((vec![body.map(S::to_f64)], 0.0))
     }
 

@@ -18,9 +18,9 @@ use crate::number::lanes::{Fused, Lane};
 use crate::number::vector::dot;
 use crate::number::vectors::{Vectors, at};
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
-use crate::run::ensemble::block::{Block, Part, Scratch, is_finite};
+use crate::run::ensemble::block::{Block, OfLane, Part, Scratch, is_finite};
 use crate::run::ensemble::crossing::crossings;
-use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::loops::step;
 use crate::run::ensemble::rhythm::{InRhythm, Rhythm, When};
@@ -91,11 +91,11 @@ where
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
-        let Body { q, q_low, p, p_low } = bodies[0].map(S::from_f64);
-        self.block.set(lane, &self.laws, &[self.drift], [q, q_low], [p, p_low]);
         self.limits[lane] = 0.0;
+        let of = OfLane { block: &mut self.block, lane, laws: &self.laws, parts: &[self.drift] };
         // Momenta of a start are nothing to its first step, but are shown before it.
-        self.bodies(lane)[0].p.iter().all(|p| p.is_finite())
+        let [_, numbers] = of.set(&bodies[0], self.set);
+        numbers
     }
 
     fn copy(&mut self, from: usize, to: usize) {
@@ -119,22 +119,19 @@ where
     }
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
-        let ([q, q_low], [p, p_low]) =
-            (self.block.position(lane), self.block.momentum(lane, &self.laws, &[self.drift]));
-        vec![Body { q, q_low, p, p_low }.map(S::to_f64)]
+        let of = OfLane { block: &self.block, lane, laws: &self.laws, parts: &[self.drift] };
+        vec![of.body(self.set)]
     }
 
     fn by_itself(
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        from: u64,
-        steps: u64,
-        _: u32,
+        OwnSteps { from, number, .. }: OwnSteps,
         _: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
-        let (system, noise) = (system_of(&self.laws, lane), |number| self.rhythm.noise(lane, from + number));
-        Ok(by_itself::<S, _, D>(&system, self.renewal, self.h, &noise, steps, bodies)?)
+        let (system, noise) = (system_of(&self.laws, lane), |step| self.rhythm.noise(lane, from + step));
+        Ok(by_itself::<S, _, D>(&system, self.renewal, self.h, &noise, number, bodies)?)
     }
 
     fn kick_alone(&self, steps: u32) {

@@ -7,7 +7,7 @@ use crate::motion::system::System;
 use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
-use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::lane_record::{read_all, write_all};
 use crate::run::ensemble::linked_going::Width;
@@ -37,8 +37,6 @@ pub(super) struct RigidLanes<Y, const D: usize, const W: usize> {
     guesses: Arc<[Weights]>,
     /// The part of the method's step that comes next.
     part: usize,
-    /// The tolerance to which steps are taken back.
-    checked: Option<f64>,
 }
 
 impl<Y, const D: usize, const W: usize> Clone for RigidLanes<Y, D, W> {
@@ -66,7 +64,6 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
             guesses: Weights::of(&method.parts).into(),
             method,
             part: 0,
-            checked: None,
         }
     }
 
@@ -225,10 +222,6 @@ where
         }
     }
 
-    fn check_reversal(&mut self, tolerance: f64) {
-        self.checked = Some(tolerance);
-    }
-
     fn draw_as(&mut self, lane: usize, draws: Draws) {
         if let Some(stirring) = &mut self.stirring {
             stirring.rhythm.draw_as(lane, draws);
@@ -253,20 +246,18 @@ where
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        from: u64,
-        steps: u64,
-        parts: u32,
+        steps: OwnSteps,
         place: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
         let (system, stages) = (self.system(lane), &self.method.stages);
         if let (Some(renewal), Some(stirring)) = (self.method.renewal, &self.stirring) {
-            let noise = |number| stirring.rhythm.noise(lane, from + number);
+            let noise = |step| stirring.rhythm.noise(lane, steps.from + step);
             return Ok(renewed_lanes::by_itself::<f64, _, D>(
                 system,
                 renewal,
                 self.method.h,
                 &noise,
-                steps,
+                steps.number,
                 bodies,
             )?);
         }
@@ -274,11 +265,11 @@ where
             && let Some(stirring) = &self.stirring
         {
             let rhythm = &stirring.rhythm;
-            let at = |steps| (rhythm.noise(lane, from + steps), rhythm.now(lane, from + steps));
+            let at = |step| (rhythm.noise(lane, steps.from + step), rhythm.now(lane, steps.from + step));
             let stirred = StirredAlone { after: rhythm.after, at: &at, place, work: self.work[lane] };
-            return by_itself::<f64, _, D>(system, stages, Some(stirred), steps, parts, bodies, self.checked);
+            return by_itself::<f64, _, D>(system, stages, Some(stirred), steps, bodies);
         }
-        by_itself::<f64, _, D>(system, stages, None, steps, parts, bodies, self.checked)
+        by_itself::<f64, _, D>(system, stages, None, steps, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {

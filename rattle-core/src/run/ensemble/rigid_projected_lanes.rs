@@ -14,7 +14,7 @@ use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::by_itself::{placed, step, steps};
 use crate::run::ensemble::dop853_row::State;
-use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::engine::{Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::lane_record::{of_projected, read_all, write_all};
 use crate::run::ensemble::rigid_going::project;
@@ -171,9 +171,7 @@ impl<Y: System<f64, D>, const D: usize> Engine<D> for RigidProjected<Y, D> {
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        _: u64,
-        number: u64,
-        parts: u32,
+        OwnSteps { number, parts, .. }: OwnSteps,
         _: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
         let Ok(view) = view(self.laws.system(lane)) else { return Ok((bodies.to_vec(), 0.0)) }; // never: it was asked

@@ -8,7 +8,7 @@ use crate::motion::state::State;
 use crate::number::clock::{after_steps, passed};
 use crate::number::vectors::LANES;
 use crate::run::bill::{Bill, Item, time};
-use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour, Written};
+use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, Tour, Written};
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
 use crate::run::simulation::MOST_HALVINGS;
@@ -307,8 +307,10 @@ impl<const D: usize> SideBySide<D> {
             return Err(Error::Step { step, time, body: *body, cause: cause.clone() });
         }
         let (bodies, mut place) = (self.bodies_in(lane), 0);
-        let mut moved =
-            |parts: u32| self.engine.by_itself(lane, &bodies, self.steps, steps, parts, &mut place);
+        let mut moved = |parts| {
+            let steps = OwnSteps { from: self.steps, number: steps, parts, checked: self.checked };
+            self.engine.by_itself(lane, &bodies, steps, &mut place)
+        };
         // Flows that act in parts of a step draw what comes after that of the whole step. Of momenta that are drawn it
         // is said by itself why they lead nowhere.
         let failure = failure.filter(|_| self.engine.work(lane).is_none() && self.engine.divides());
@@ -427,8 +429,6 @@ impl<const D: usize> Group<D> for SideBySide<D> {
     }
 
     fn check_reversal(&mut self, tolerance: f64) -> Result<(), Error> {
-        self.engine.check_reversal(tolerance);
-        self.at_first.iter_mut().for_each(|engine| engine.check_reversal(tolerance));
         self.checked = Some(tolerance);
         for lane in
             (0..self.len()).filter(|&lane| self.moving[lane] && !self.crowded[lane]).collect::<Vec<_>>()

@@ -9,7 +9,7 @@ use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::course::kink_ahead;
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
-use crate::motion::parts::BodiesOf;
+use crate::motion::parts::{BodiesOf, Parts};
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::stir::{draws, in_the_middle, stir};
 use crate::motion::system::System;
@@ -18,9 +18,9 @@ use crate::number::lanes::Lane;
 use crate::number::vector::add_scaled;
 use crate::number::vectors::at;
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
-use crate::run::ensemble::block::{Block, Part, Scratch};
+use crate::run::ensemble::block::{Block, OfLane, Part, Scratch};
 use crate::run::ensemble::crossing::{crossings, kink};
-use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::loops::step;
 use crate::run::ensemble::splits::{backwards, hallmark, without_first_kick};
@@ -46,8 +46,6 @@ pub(crate) struct SplittingLanes<S, X, const L: usize, const D: usize, const SUM
     stirring: Option<Box<Stirring<S, L, D>>>,
     account: Account,
     h: f64,
-    /// The tolerance to which steps are taken back.
-    checked: Option<f64>,
     set: Fusing,
 }
 
@@ -68,7 +66,7 @@ where
                 parts = Part::of::<EQUAL>(&without_first_kick(stages));
             }
         }
-        Self { block, laws, stages: stages.to_vec(), parts, stirring, account, h, checked: None, set }
+        Self { block, laws, stages: stages.to_vec(), parts, stirring, account, h, set }
     }
 }
 
@@ -114,12 +112,12 @@ where
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
-        let Body { q, q_low, p, p_low } = bodies[0].map(S::from_f64);
-        let holds = self.block.set(lane, &self.laws, &self.parts, [q, q_low], [p, p_low]);
+        let of = OfLane { block: &mut self.block, lane, laws: &self.laws, parts: &self.parts };
+        let fits = of.set(&bodies[0], self.set) == [true; 2];
         if const { X::Forces::FLOWS > 0 } {
             self.book(lane, self.account.work[lane]);
         }
-        holds && self.block.momentum(lane, &self.laws, &self.parts)[0].iter().all(|p| p.to_f64().is_finite())
+        fits
     }
 
     fn copy(&mut self, from: usize, to: usize) {
@@ -145,10 +143,6 @@ where
         }
     }
 
-    fn check_reversal(&mut self, tolerance: f64) {
-        self.checked = Some(tolerance);
-    }
-
     fn draw_as(&mut self, lane: usize, draws: Draws) {
         if const { X::Forces::FLOWS > 0 }
             && let Some(stirring) = &mut self.stirring
@@ -169,31 +163,30 @@ where
     }
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
-        let ([q, q_low], [p, p_low]) =
-            (self.block.position(lane), self.block.momentum(lane, &self.laws, &self.parts));
-        vec![Body { q, q_low, p, p_low }.map(S::to_f64)]
+        let of = OfLane { block: &self.block, lane, laws: &self.laws, parts: &self.parts };
+        vec![of.body(self.set)]
     }
 
     fn by_itself(
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        from: u64,
-        steps: u64,
-        parts: u32,
+        steps: OwnSteps,
         place: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
-        let (system, checked) = (system_of(&self.laws, lane), self.checked);
+        let (system, stages) = (system_of(&self.laws, lane), &self.stages[..]);
+        let bodies = system.bodies(&in_lanes(bodies), 0.0);
         if const { X::Forces::FLOWS > 0 }
             && let Some(stirring) = &self.stirring
         {
             let rhythm = &stirring.rhythm;
-            let at = |steps| (rhythm.noise(lane, from + steps), rhythm.now(lane, from + steps));
+            let at = |step| (rhythm.noise(lane, steps.from + step), rhythm.now(lane, steps.from + step));
             let (after, work) = (rhythm.after, self.account.work[lane]);
             let stirred = StirredAlone { after, at: &at, place, work };
-            return by_itself::<S, _, D>(&system, &self.stages, Some(stirred), steps, parts, bodies, checked);
+            let stirred = Some(stirred);
+            return self.set.run_narrow(ByItself { system: &system, stages, stirred, steps, bodies });
         }
-        by_itself::<S, _, D>(&system, &self.stages, None, steps, parts, bodies, checked)
+        self.set.run_narrow(ByItself { system: &system, stages, stirred: None, steps, bodies })
     }
 
     fn kick_alone(&self, steps: u32) {
@@ -294,66 +287,81 @@ impl StirredAlone<'_> {
     }
 }
 
-/// Where bodies are after so many steps of these stages, each in so many equal parts; and taken back, to a tolerance.
+/// Where bodies are after these steps of these stages.
 #[cold]
 #[inline(never)]
 pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
     system: &Y,
     stages: &[Stage],
-    mut stirred: Option<StirredAlone<'_>>,
-    steps: u64,
-    parts: u32,
+    stirred: Option<StirredAlone<'_>>,
+    steps: OwnSteps,
     places: &[Body<f64, D>],
-    checked: Option<f64>,
 ) -> Result<Moved<D>, Trouble> {
-    let number = stages.len();
-    // With random numbers flows act on the whole step, and motion alone is divided.
-    let around = parts > 1 && stirred.is_some() && draws(system);
-    let inside = stirred.as_ref().is_some_and(|of| of.after > 0);
-    let ((stages, time), parts) = match around && inside {
-        true => (Stage::parts(&Stage::finer(stages, parts), 1), 1),
-        false => (Stage::parts(stages, parts), parts),
-    };
-    if let Some(of) = &mut stirred
-        && around
-    {
-        of.after *= stages.len() / number;
-    }
-    let mut bodies = system.bodies(&in_lanes(places), 0.0);
-    let whole = if around { time * f64::from(parts) } else { time };
-    let mut step = Parts { system, stages: &stages, parts, around, whole, stirred };
-    let back = backwards(&stages);
-    for number in 0..steps {
-        if number > 0 {
-            system.refresh(&mut bodies); // as where a run is divided: bits depend on no division
-        }
-        if const { Y::FLOWS > 0 }
-            && let Some(stirred) = &step.stirred
+    ByItself { system, stages, stirred, steps, bodies: system.bodies(&in_lanes(places), 0.0) }.run()
+}
+
+/// Bodies on these steps of these stages. Work, since lanes have numbers that fuse.
+struct ByItself<'a, Y: Parts<S, D>, S: Lane, const D: usize> {
+    system: &'a Y,
+    stages: &'a [Stage],
+    stirred: Option<StirredAlone<'a>>,
+    steps: OwnSteps,
+    bodies: BodiesOf<Y, S, D>,
+}
+
+impl<S: Lane, Y: System<S, D>, const D: usize> Work for ByItself<'_, Y, S, D> {
+    type Done = Result<Moved<D>, Trouble>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Done {
+        let Self { system, stages, mut stirred, steps, mut bodies } = self;
+        let OwnSteps { number, parts, checked, .. } = steps;
+        let of_whole = stages.len();
+        // With random numbers flows act on the whole step, and motion alone is divided.
+        let around = parts > 1 && stirred.is_some() && draws(system);
+        let inside = stirred.as_ref().is_some_and(|of| of.after > 0);
+        let ((stages, time), parts) = match around && inside {
+            true => (Stage::parts(&Stage::finer(stages, parts), 1), 1),
+            false => (Stage::parts(stages, parts), parts),
+        };
+        if let Some(of) = &mut stirred
+            && around
         {
-            stirred.begin(number, around, system, &mut bodies);
+            of.after *= stages.len() / of_whole;
         }
-        let start = bodies.saved();
-        if let Err(failure) = step.go(&mut bodies) {
-            let h = time * f64::from(parts);
-            return Err(of_a_kink_ahead(system, &start, &mut bodies, failure, |bodies| {
-                system.coast(h, bodies)
-            })
-            .into());
+        let whole = if around { time * f64::from(parts) } else { time };
+        let mut step = InParts { system, stages: &stages, parts, around, whole, stirred };
+        let back = backwards(&stages);
+        for taken in 0..number {
+            if taken > 0 {
+                system.refresh(&mut bodies); // as where a run is divided: bits depend on no division
+            }
+            if const { Y::FLOWS > 0 }
+                && let Some(stirred) = &step.stirred
+            {
+                stirred.begin(taken, around, system, &mut bodies);
+            }
+            let start = bodies.saved();
+            if let Err(failure) = step.go(&mut bodies) {
+                let h = time * f64::from(parts);
+                let coast = |bodies: &mut _| system.coast(h, bodies);
+                return Err(of_a_kink_ahead(system, &start, &mut bodies, failure, coast).into());
+            }
+            system.check_kinks(&start, &bodies)?;
+            if let Some(tolerance) = checked {
+                let end = bodies.saved();
+                system.put_back(&mut bodies, &end); // the way back begins anew
+                let led = InParts { stages: &back, whole: -whole, stirred: step.stirred.take(), ..step };
+                step.stirred = led.come_back(&start, &mut bodies, tolerance)?;
+                system.put_back(&mut bodies, &end);
+            }
         }
-        system.check_kinks(&start, &bodies)?;
-        if let Some(tolerance) = checked {
-            let end = bodies.saved();
-            system.put_back(&mut bodies, &end); // the way back begins anew
-            let led = Parts { stages: &back, whole: -whole, stirred: step.stirred.take(), ..step };
-            step.stirred = led.come_back(&start, &mut bodies, tolerance)?;
-            system.put_back(&mut bodies, &end);
-        }
+        Ok((out_of_lanes(&bodies.all()), bodies.work.to_f64()))
     }
-    Ok((out_of_lanes(&bodies.all()), bodies.work.to_f64()))
 }
 
 /// A step of so many parts of these stages; with flows around all of them, or around each.
-struct Parts<'a, Y> {
+struct InParts<'a, Y> {
     system: &'a Y,
     stages: &'a [Stage],
     parts: u32,
@@ -363,7 +371,8 @@ struct Parts<'a, Y> {
     stirred: Option<StirredAlone<'a>>,
 }
 
-impl<'a, Y> Parts<'a, Y> {
+impl<'a, Y> InParts<'a, Y> {
+    #[inline(always)]
     fn go<S: Lane, const D: usize>(&mut self, bodies: &mut BodiesOf<Y, S, D>) -> Result<(), Failure>
     where
         Y: System<S, D>,
@@ -407,6 +416,7 @@ impl<'a, Y> Parts<'a, Y> {
     }
 
     /// Goes back to a start, and hands back how flows stir.
+    #[inline(always)]
     fn come_back<S: Lane, const D: usize>(
         mut self,
         start: &Saved<Y::Count, S, D>,

@@ -1,14 +1,5 @@
 //! Many independent trajectories, run and observed together.
 
-use crate::number::instructions::InstructionSet;
-use crate::number::vectors::LANES;
-use crate::run::ensemble::apart::{NotInLanes, Plan, act_in_lanes};
-use crate::run::ensemble::grouping::{Alike, Different, Groups, HowInLanes, InRows};
-use crate::run::ensemble::grouping_rows::{TurnedAlike, TurnedApart, linked, linked_apart, rigid};
-use crate::run::ensemble::precision::{Double, Precision};
-use crate::run::ensemble::side_by_side::STRETCH;
-use crate::run::ensemble::watching::{AnyObserver, Watching};
-
 use crate::effect::list::Effects;
 use crate::error::{Error, RecordMistake, StartFailure};
 use crate::motion::bodies::Count;
@@ -16,9 +7,17 @@ use crate::motion::hold::{Hold, Kind};
 use crate::motion::method::{Method, Projecting, Splitting, check_tolerance};
 use crate::motion::record::Record;
 use crate::motion::state::State;
+use crate::number::instructions::InstructionSet;
+use crate::number::vectors::LANES;
 use crate::run::bill::Bill;
 use crate::run::ensemble::alone::Alone;
+use crate::run::ensemble::apart::{NotInLanes, Plan, act_in_lanes};
 use crate::run::ensemble::group::Group;
+use crate::run::ensemble::grouping::{Alike, Different, Groups, HowInLanes, InRows};
+use crate::run::ensemble::grouping_rows::{TurnedAlike, TurnedApart, linked, linked_apart, rigid};
+use crate::run::ensemble::precision::{Double, Precision};
+use crate::run::ensemble::side_by_side::STRETCH;
+use crate::run::ensemble::watching::{AnyObserver, Watching};
 use crate::run::reversal::has_way_back;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::seen::Seen;
@@ -199,7 +198,8 @@ impl<const D: usize> Ensemble<D> {
         let (groups, first, plan) = (Vec::new(), Vec::new(), Plan::default());
         let mut ensemble = Self { groups, first, len: 0, plan, no_way_back: None, h, steps: 0, set };
         loop {
-            let (mut scenes, mut starts, mut ready) = (Vec::new(), Vec::new(), Vec::new());
+            let (mut scenes, mut starts) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
+            let mut ready = Vec::with_capacity(LANES);
             while scenes.len() < LANES
                 && let Some((scene, mut start)) = next()
             {
@@ -290,8 +290,8 @@ impl<const D: usize> Ensemble<D> {
     /// hybrid Monte Carlo method rejects such a proposal.
     ///
     /// Lanes look less closely at a step than simulations do: what is taken might be refused on the way back. So all go
-    /// by themselves from then on, on all cores, each in once to twice the time of a checked simulation; those of a
-    /// [`Single`](crate::run::ensemble::Single) ensemble in single precision, which meets no tolerance below 1e-6.
+    /// by themselves from then on, on all cores, each in about 1 to 1.5 times the time of a checked simulation; those
+    /// of a [`Single`](crate::run::ensemble::Single) ensemble in single precision, which meets no tolerance below 1e-6.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle};

@@ -1,9 +1,9 @@
 //! Constraint and energy in phase space as the constraints of a scene.
 
 use crate::effect::list::{Effects, Forces};
-use crate::error::{Error, refuse_nan};
+use crate::error::Error;
 use crate::kernel::functions::{Hamiltonian, PhaseConstraint};
-use crate::kernel::over::short_name;
+use crate::kernel::over::refuse_nan_in;
 use crate::motion::bodies::{Body, Count};
 use crate::motion::hold::{Hold, Kind, PhaseSpaces};
 use crate::motion::state::State;
@@ -53,8 +53,8 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
     }
 
     fn check(&self) -> Result<(), Error> {
-        refuse_nan(short_name::<G>(), self.constraint.nan_parameter())?;
-        refuse_nan(short_name::<H>(), self.hamiltonian.nan_parameter())
+        refuse_nan_in::<G>(self.constraint.nan_parameter())?;
+        refuse_nan_in::<H>(self.hamiltonian.nan_parameter())
     }
 
     fn project(&self, state: &State<D>) -> Result<State<D>, Error> {

@@ -1,9 +1,9 @@
 //! Constraints of one equation, with a surface for each body, as the constraints of a scene.
 
 use crate::effect::list::Effects;
-use crate::error::{Error, refuse_nan};
+use crate::error::Error;
 use crate::kernel::functions::Constraint;
-use crate::kernel::over::short_name;
+use crate::kernel::over::refuse_nan_in;
 use crate::motion::bodies::Count;
 use crate::motion::hold::{Hold, Surfaces};
 use crate::motion::state::State;
@@ -33,7 +33,7 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
     }
 
     fn check(&self) -> Result<(), Error> {
-        refuse_nan(short_name::<C>(), self.nan_parameter())
+        refuse_nan_in::<C>(self.nan_parameter())
     }
 
     fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
