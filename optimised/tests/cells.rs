@@ -229,7 +229,7 @@ fn as_a_simulation_in_every_cell() {
     let scene = || scene().with(PlanarCliff { pull, end });
     let mut linked = Column { what: "linked", scene: scene(), start: pendulum, wrong };
     linked.by_those_of_places(true);
-    linked.by_series(false);
+    linked.by_series(true);
     linked.by(Lobatto::<3>::new(STEP), false);
     linked.by(Bdf2::new(STEP), false);
     let wrong = linked.wrong;

@@ -38,6 +38,8 @@ mod lanes_rigid;
 mod lanes_splittings;
 #[path = "../lanes_starts.rs"]
 mod lanes_starts;
+#[path = "../lanes_taylor_linked.rs"]
+mod lanes_taylor_linked;
 #[path = "../sweeps_linked.rs"]
 mod sweeps_linked;
 #[path = "../sweeps_rigid.rs"]

@@ -80,16 +80,24 @@ impl<T: Real, X: PotentialKernel<T, K>, const D: usize, const K: usize, const A:
     fn series_blocks(&self, _: usize) -> Option<usize> {
         (0..self.members.len()).map(|member| self.kernel(member).series()).sum()
     }
+    #[inline(always)]
     fn add_series<const FIRST: bool>(
         &self,
         positions: &[[T; D]],
         forces: &mut [[T; D]],
         order: &mut Order<'_, T, FIRST>,
     ) {
-        for (kernel, member, variables) in self.each(positions) {
-            let gradient = kernel.gradient_series(&variables, order);
+        // Loops: of many lanes `array::from_fn` is a call, compiled for no instruction set.
+        for (i, member) in self.members.iter().enumerate() {
+            let mut variables = [T::from_f64(0.0); K];
+            for (k, variable) in variables.iter_mut().enumerate() {
+                *variable = positions[member[k / D]][k % D];
+            }
+            let gradient = self.kernel(i).gradient_series(&variables, order);
             for (a, &body) in member.iter().enumerate() {
-                forces[body] = from_fn(|d| forces[body][d] - gradient[a * D + d]);
+                for (d, force) in forces[body].iter_mut().enumerate() {
+                    *force = *force - gradient[a * D + d];
+                }
             }
         }
     }

@@ -11,7 +11,7 @@ use crate::kernel::series::blocks;
 use crate::number::instructions::InstructionSet;
 use crate::number::lanes::{Fused, Lane};
 use crate::number::real::Real;
-use crate::number::vector::{add_scaled, dot, sum};
+use crate::number::vector::{add_scaled, dot};
 use std::array::from_fn;
 
 /// The kind of effect of every [`PairPotential`]: between every two bodies.
@@ -94,6 +94,7 @@ impl<T: Real, K: PairKernel<T>, L: PairKernel<Fused<f64>>, const D: usize> Actin
     fn series_blocks(&self, bodies: usize) -> Option<usize> {
         Some(bodies * bodies.saturating_sub(1) / 2 * (blocks(2 * D) + self.kernel.series()?))
     }
+    #[inline(always)]
     fn add_series<const FIRST: bool>(
         &self,
         positions: &[[T; D]],
@@ -102,14 +103,20 @@ impl<T: Real, K: PairKernel<T>, L: PairKernel<Fused<f64>>, const D: usize> Actin
     ) {
         for i in 1..positions.len() {
             for j in 0..i {
-                let apart = add_scaled(&positions[i], T::from_f64(-1.0), &positions[j]);
+                // Loops: of many lanes `array::from_fn` is a call, compiled for no instruction set.
+                let mut apart = positions[i];
                 let mut own = order.take(blocks(2 * D));
-                let squares = (0..D).map(|d| own.square(d, apart[d]));
-                let s = squares.fold(T::from_f64(0.0), |sum, square| sum + square);
+                let mut s = T::from_f64(0.0);
+                for d in 0..D {
+                    apart[d] = apart[d] - positions[j][d];
+                    s = s + own.square(d, apart[d]);
+                }
                 let slope = self.kernel.slope_series(s, order);
-                let pull: [T; D] = from_fn(|d| T::from_f64(-2.0) * own.product(D + d, apart[d], slope));
-                forces[i] = sum(&forces[i], &pull);
-                forces[j] = add_scaled(&forces[j], T::from_f64(-1.0), &pull);
+                for d in 0..D {
+                    let pull = T::from_f64(-2.0) * own.product(D + d, apart[d], slope);
+                    forces[i][d] = forces[i][d] + pull;
+                    forces[j][d] = forces[j][d] - pull;
+                }
             }
         }
     }

@@ -454,6 +454,10 @@ where
     fn series_blocks(&self) -> Option<usize> {
         Some(self.others.series_blocks()? + self.effect.series_blocks()?)
     }
+    fn take_over(&mut self, lane: usize, others: &Self, from: usize) {
+        self.effect.take_over(lane, &others.effect, from);
+        self.others.take_over(lane, &others.others, from);
+    }
     #[inline(always)]
     fn add_series<const FIRST: bool>(
         &self,

@@ -9,6 +9,7 @@ use crate::kernel::series::Order;
 use crate::number::lanes::{Lane, Lanes, side_by_side};
 use crate::number::real::Real;
 use crate::number::vector::add_scaled;
+use std::cell::{Cell, RefCell};
 
 /// The kind of effect of every [`Potential`]: on each body.
 #[derive(Debug, Clone, Copy)]
@@ -122,6 +123,19 @@ impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> Swept<S, L, D> fo
     }
     fn series_blocks(&self) -> Option<usize> {
         self.0.series()
+    }
+    fn take_over(&mut self, lane: usize, others: &Self, from: usize) {
+        let numbers = RefCell::new(Vec::new());
+        P::map_kernel::<Lanes<S, L>, S>(&others.0, |number| {
+            numbers.borrow_mut().push(number.0[from]);
+            number.0[from]
+        });
+        let (numbers, next) = (numbers.into_inner(), Cell::new(0));
+        self.0 = P::map_kernel(&self.0, |&number| {
+            let mut number: Lanes<S, L> = number;
+            number.0[lane] = numbers[next.replace(next.get() + 1)];
+            number
+        });
     }
     #[inline(always)]
     fn add_series<const FIRST: bool>(

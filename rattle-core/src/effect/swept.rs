@@ -37,4 +37,6 @@ pub trait Swept<S: Lane, const L: usize, const D: usize>: Clone + Send + Sync {
         _order: &mut Order<'_, Lanes<S, L>, FIRST>,
     ) {
     }
+    /// Has a lane obey what a lane of others does. Not called without a power series.
+    fn take_over(&mut self, _lane: usize, _others: &Self, _from: usize) {}
 }

@@ -1,6 +1,5 @@
-//! Bodies of a lane that goes by itself, as a simulation; and its steps by [`Dop853`].
+//! Bodies of a lane that goes by itself, as a simulation; and its steps.
 
-use crate::methods::dop853::Dop853;
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, View};
@@ -23,32 +22,37 @@ pub(super) fn placed<'a, Y: System<f64, D>, const D: usize>(
     bodies
 }
 
-/// Takes bodies a step on.
-///
-/// # Errors
-/// Those of the method.
-pub(super) fn step<Y: System<f64, D>, const D: usize>(
-    method: &Dop853,
-    view: View<'_, Dop853, f64, Y, D>,
-    bodies: &mut BodiesOf<Y, f64, D>,
-) -> Result<(), Failure> {
-    method.prepare::<f64, Y, D>(view, bodies);
-    method.step::<f64, Y, _, D>(view, bodies, &mut [], &mut ())
+/// The same, ready for steps of this method, which remembers nothing.
+pub(super) fn prepared<'a, S: Method, Y: System<f64, D>, const D: usize>(
+    method: &S,
+    (system, view): (&Y, View<'_, S, f64, Y, D>),
+    places: &[Body<f64, D>],
+    room: &'a mut Option<BodiesOf<Y, f64, D>>,
+) -> &'a mut BodiesOf<Y, f64, D> {
+    let new = room.is_none();
+    let bodies = placed(system, places, room);
+    if new {
+        method.prepare::<f64, Y, D>(view, bodies);
+    }
+    bodies
 }
 
-/// Where bodies are after so many steps, each in so many equal parts.
+/// Where bodies are after so many steps, each in so many equal parts, of a method that remembers nothing.
 ///
 /// # Errors
 /// Those of the method.
-pub(super) fn steps<Y: System<f64, D>, const D: usize>(
-    method: &Dop853,
-    view: View<'_, Dop853, f64, Y, D>,
+pub(super) fn steps<S: Method, Y: System<f64, D>, const D: usize>(
+    method: &S,
+    (system, view): (&Y, View<'_, S, f64, Y, D>),
     bodies: &[Body<f64, D>],
     steps: u64,
     parts: u32,
 ) -> Result<Moved<D>, Failure> {
     let part = method.with_step(method.step_size() / f64::from(parts));
-    let mut bodies = view.0.bodies(bodies, 0.0);
-    (0..steps * u64::from(parts)).try_for_each(|_| step(&part, view, &mut bodies))?;
+    let mut bodies = system.bodies(bodies, 0.0);
+    part.prepare::<f64, Y, D>(view, &mut bodies);
+    for _ in 0..steps * u64::from(parts) {
+        part.step::<f64, Y, _, D>(view, &mut bodies, &mut [], &mut ())?;
+    }
     Ok((bodies.all(), 0.0))
 }

@@ -6,7 +6,7 @@ use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint, PhaseCo
 use crate::methods::dop853::Dop853;
 use crate::methods::taylor::Taylor;
 use crate::motion::bodies::Count;
-use crate::motion::hold::{PhaseSpaces, Surfaces};
+use crate::motion::hold::{Hold, Kind, PhaseSpaces, Surfaces};
 use crate::motion::method::{Method, Projecting, Renewal, Splitting, Stage};
 use crate::motion::state::State;
 use crate::motion::table::{Table, Tabulated};
@@ -91,11 +91,29 @@ impl HowInLanes {
     pub(super) fn dop853(&self) -> Dop853 {
         self.tolerance.map_or(Dop853::new(self.h), |tolerance| Dop853::adaptive(self.h, tolerance))
     }
+
+    /// The same where it is [`Taylor`].
+    pub(super) fn taylor(&self) -> Taylor {
+        let Self { order, h, tolerance, .. } = *self;
+        tolerance.map_or(Taylor::new(order, h), |tolerance| Taylor::adaptive(order, h, tolerance))
+    }
 }
 
 /// Whether a step and its stages are long enough.
 fn is_long(h: f64, stages: &[Stage]) -> bool {
     h.abs() >= SHORT && stages.iter().all(|stage| stage.h.abs() >= SHORT)
+}
+
+/// Whether constraints are of a kind that the method moves in rows: a splitting, one that draws momenta anew, or, of
+/// linked and rigid bodies, [`Dop853`](crate::methods::dop853::Dop853), and of linked ones
+/// [`Taylor`](crate::methods::taylor::Taylor). Asked where a constant is wanted: what is not asked for is then not
+/// compiled.
+pub(super) const fn goes_as<C: Hold<D>, S: Method, const D: usize>(kind: Kind) -> bool {
+    let projects = matches!(
+        (kind, S::PROJECTS),
+        (Kind::Network | Kind::Rigid, Projecting::Dop853) | (Kind::Network, Projecting::Taylor)
+    );
+    C::KIND as u8 == kind as u8 && (!matches!(S::SPLITTING, Splitting::Not) || S::RENEWS || projects)
 }
 
 /// Shown the surface, puts trajectories of one scene in lanes of the kind that a method wants, if it wants one.
@@ -376,9 +394,8 @@ impl<O: Obeyed<D>, const D: usize> InNumbers for Expansions<'_, O, D> {
     type Done = Groups<D>;
 
     fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
-        let Self(obeyed, starts, HowInLanes { h, set, first, order, tolerance, .. }) = self;
-        let method =
-            tolerance.map_or(Taylor::new(*order, *h), |tolerance| Taylor::adaptive(*order, *h, tolerance));
+        let Self(obeyed, starts, lanes) = self;
+        let (HowInLanes { set, first, .. }, method) = (lanes, lanes.taylor());
         in_rows(OF_SERIES, starts, &|from, starts| {
             let laws = obeyed.laws::<S, OF_SERIES>(from);
             let method = TaylorInLanes::new(method, obeyed.series::<S, OF_SERIES>(from))?;

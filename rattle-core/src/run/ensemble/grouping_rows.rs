@@ -2,6 +2,7 @@
 
 use crate::effect::list::{Effects, Forces};
 use crate::methods::dop853::Dop853;
+use crate::methods::taylor::Taylor;
 use crate::motion::method::{Method, Projecting};
 use crate::motion::state::State;
 use crate::motion::system::System;
@@ -12,13 +13,14 @@ use crate::run::ensemble::grouping::{Groups, HowInLanes, in_rows};
 use crate::run::ensemble::linked_going::{Wide, Width};
 use crate::run::ensemble::linked_lanes::LinkedLanes;
 use crate::run::ensemble::linked_law::LinkedLaws;
-use crate::run::ensemble::linked_plan::LinkedPlan;
-use crate::run::ensemble::linked_projected_lanes::LinkedProjected;
+use crate::run::ensemble::linked_projected_lanes::{LinkedProjected, TaylorOfLinks};
+use crate::run::ensemble::linked_series_law::SeriesLaws;
 use crate::run::ensemble::precision::Precision;
 use crate::run::ensemble::rigid_lanes::RigidLanes;
 use crate::run::ensemble::rigid_law::RigidLaws;
 use crate::run::ensemble::rigid_projected_lanes::RigidProjected;
 use crate::run::ensemble::rigid_row::{Attitude, RigidRow};
+use crate::run::ensemble::series_in_lanes;
 use crate::run::ensemble::side_by_side::side_by_side;
 use crate::run::ensemble::splits::Splits;
 use crate::systems::network::Network;
@@ -30,55 +32,116 @@ use std::sync::Arc;
 trait MovesLinks {
     /// No more coordinates go in rows of [`ROW`], where more than a few trajectories do.
     const IN_WIDE_ROWS: usize;
-    /// Whether sums are compensated.
-    fn sums(&self) -> bool;
-    /// A row, no lane of which is set, of what is obeyed there.
-    fn row<F: Forces<f64, D>, const D: usize, const W: usize>(
-        self,
-        laws: (LinkedPlan, LinkedLaws<F, D, W>),
-    ) -> Box<dyn Engine<D>>
+
+    /// A row, no lane of which is set, of so many bodies of a network under these effects, the same on all lanes; none
+    /// where they cannot go side by side.
+    fn all<E: Effects<D>, const D: usize, const W: usize>(
+        &self,
+        network: &Network<D>,
+        effects: &E,
+        bodies: usize,
+    ) -> Option<Box<dyn Engine<D>>>
     where
         Width: Wide<W>;
+
+    /// The same, each lane in a network and under effects of its own; lanes beyond them obey what the first does.
+    fn each<E: Effects<D> + 'static, const D: usize>(
+        &self,
+        networks: &[&Network<D>],
+        effects: &[&E],
+        bodies: usize,
+    ) -> Option<Box<dyn Engine<D>>>;
 }
 
 impl MovesLinks for Splits {
     const IN_WIDE_ROWS: usize = usize::MAX;
 
-    fn sums(&self) -> bool {
-        self.sums
-    }
-
-    fn row<F: Forces<f64, D>, const D: usize, const W: usize>(
-        self,
-        laws: (LinkedPlan, LinkedLaws<F, D, W>),
-    ) -> Box<dyn Engine<D>>
+    fn all<E: Effects<D>, const D: usize, const W: usize>(
+        &self,
+        network: &Network<D>,
+        effects: &E,
+        bodies: usize,
+    ) -> Option<Box<dyn Engine<D>>>
     where
         Width: Wide<W>,
     {
-        Box::new(LinkedLanes::new(laws, self))
+        let laws = LinkedLaws::<_, D, W>::by_all(network, effects, bodies, self.sums)?;
+        Some(Box::new(LinkedLanes::new(laws, self.clone())))
+    }
+
+    fn each<E: Effects<D> + 'static, const D: usize>(
+        &self,
+        networks: &[&Network<D>],
+        effects: &[&E],
+        bodies: usize,
+    ) -> Option<Box<dyn Engine<D>>> {
+        let laws = LinkedLaws::by_each(networks, effects, bodies, self.sums)?;
+        Some(Box::new(LinkedLanes::new(laws, self.clone())))
     }
 }
+
+/// Stages of more leave the nearer cache: from chains of some 30 links on.
+const OF_STAGES_IN_WIDE_ROWS: usize = 64;
 
 impl MovesLinks for (Dop853, Fusing) {
-    /// Stages of more leave the nearer cache: from chains of some 30 links on.
-    const IN_WIDE_ROWS: usize = 64;
+    const IN_WIDE_ROWS: usize = OF_STAGES_IN_WIDE_ROWS;
 
-    fn sums(&self) -> bool {
-        true
-    }
-
-    fn row<F: Forces<f64, D>, const D: usize, const W: usize>(
-        self,
-        laws: (LinkedPlan, LinkedLaws<F, D, W>),
-    ) -> Box<dyn Engine<D>>
+    fn all<E: Effects<D>, const D: usize, const W: usize>(
+        &self,
+        network: &Network<D>,
+        effects: &E,
+        bodies: usize,
+    ) -> Option<Box<dyn Engine<D>>>
     where
         Width: Wide<W>,
     {
-        Box::new(LinkedProjected::new(laws, self.0, self.1))
+        let laws = LinkedLaws::<_, D, W>::by_all(network, effects, bodies, true)?;
+        Some(Box::new(LinkedProjected::new(laws, self.0, self.1)))
+    }
+
+    fn each<E: Effects<D> + 'static, const D: usize>(
+        &self,
+        networks: &[&Network<D>],
+        effects: &[&E],
+        bodies: usize,
+    ) -> Option<Box<dyn Engine<D>>> {
+        let laws = LinkedLaws::by_each(networks, effects, bodies, true)?;
+        Some(Box::new(LinkedProjected::new(laws, self.0, self.1)))
     }
 }
 
-/// Trajectories of linked bodies, no more than there are lanes, in rows, if the method is a splitting or [`Dop853`].
+impl MovesLinks for (Taylor, Fusing) {
+    const IN_WIDE_ROWS: usize = OF_STAGES_IN_WIDE_ROWS;
+
+    fn all<E: Effects<D>, const D: usize, const W: usize>(
+        &self,
+        network: &Network<D>,
+        effects: &E,
+        bodies: usize,
+    ) -> Option<Box<dyn Engine<D>>>
+    where
+        Width: Wide<W>,
+    {
+        let laws = LinkedLaws::<_, D, W>::by_all(network, effects, bodies, true)?;
+        let series = SeriesLaws::of(&laws.1, series_in_lanes::of_all(effects, bodies)?)?;
+        Some(Box::new(LinkedProjected::new(laws, TaylorOfLinks { method: self.0, laws: series }, self.1)))
+    }
+
+    fn each<E: Effects<D> + 'static, const D: usize>(
+        &self,
+        networks: &[&Network<D>],
+        effects: &[&E],
+        bodies: usize,
+    ) -> Option<Box<dyn Engine<D>>> {
+        let laws = LinkedLaws::by_each(networks, effects, bodies, true)?;
+        let of = |lane: usize| if lane < effects.len() { effects[lane] } else { effects[0] };
+        let series = SeriesLaws::of(&laws.1, series_in_lanes::of_each::<_, D, ROW>(of, bodies)?)?;
+        Some(Box::new(LinkedProjected::new(laws, TaylorOfLinks { method: self.0, laws: series }, self.1)))
+    }
+}
+
+/// Trajectories of linked bodies, no more than there are lanes, in rows, if the method is a splitting, [`Dop853`] or
+/// [`Taylor`].
 pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     network: &Network<D>,
     effects: &E,
@@ -86,28 +149,30 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     lanes: &HowInLanes,
 ) -> Groups<D> {
     if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 } {
-        return linked_by((lanes.dop853(), lanes.set), network, effects, starts, lanes.first);
+        return linked_by(&(lanes.dop853(), lanes.set), network, effects, starts, lanes.first);
+    }
+    if const { S::PROJECTS as u8 == Projecting::Taylor as u8 } {
+        return linked_by(&(lanes.taylor(), lanes.set), network, effects, starts, lanes.first);
     }
     let flows = const { E::Forces::<f64>::FLOWS > 0 };
-    linked_by(lanes.splits::<P, S>(flows), network, effects, starts, lanes.first)
+    linked_by(&lanes.splits::<P, S>(flows), network, effects, starts, lanes.first)
 }
 
 fn linked_by<M: MovesLinks, E: Effects<D>, const D: usize>(
-    method: M,
+    method: &M,
     network: &Network<D>,
     effects: &E,
     starts: &[State<D>],
     first: usize,
 ) -> Groups<D> {
     let bodies = starts.first()?.len();
-    let sums = method.sums();
     // Three rows of a few take less time than a full one.
-    if starts.len() <= 3 * FEW || bodies * D > M::IN_WIDE_ROWS {
-        let row = method.row::<_, D, FEW>(LinkedLaws::by_all(network, effects, bodies, sums)?);
-        return in_rows(FEW, starts, &|from, starts| Some(side_by_side(row.boxed(), first + from, starts)));
-    }
-    let row = method.row::<_, D, ROW>(LinkedLaws::by_all(network, effects, bodies, sums)?);
-    in_rows(ROW, starts, &|from, starts| Some(side_by_side(row.boxed(), first + from, starts)))
+    let (row, width) = if starts.len() <= 3 * FEW || bodies * D > M::IN_WIDE_ROWS {
+        (method.all::<_, D, FEW>(network, effects, bodies)?, FEW)
+    } else {
+        (method.all::<_, D, ROW>(network, effects, bodies)?, ROW)
+    };
+    in_rows(width, starts, &|from, starts| Some(side_by_side(row.boxed(), first + from, starts)))
 }
 
 /// The same, each in a network and under effects of its own.
@@ -118,14 +183,17 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
     lanes: &HowInLanes,
 ) -> Groups<D> {
     if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 } {
-        return linked_apart_by(|| (lanes.dop853(), lanes.set), networks, effects, starts, lanes.first);
+        return linked_apart_by(&(lanes.dop853(), lanes.set), networks, effects, starts, lanes.first);
+    }
+    if const { S::PROJECTS as u8 == Projecting::Taylor as u8 } {
+        return linked_apart_by(&(lanes.taylor(), lanes.set), networks, effects, starts, lanes.first);
     }
     let flows = const { E::Forces::<f64>::FLOWS > 0 };
-    linked_apart_by(|| lanes.splits::<P, S>(flows), networks, effects, starts, lanes.first)
+    linked_apart_by(&lanes.splits::<P, S>(flows), networks, effects, starts, lanes.first)
 }
 
 fn linked_apart_by<M: MovesLinks, E: Effects<D> + 'static, const D: usize>(
-    method: impl Fn() -> M,
+    method: &M,
     networks: &[&Network<D>],
     effects: &[&E],
     starts: &[State<D>],
@@ -136,9 +204,9 @@ fn linked_apart_by<M: MovesLinks, E: Effects<D> + 'static, const D: usize>(
         return None;
     }
     in_rows(ROW, starts, &|from, starts| {
-        let (own, method) = (from..from + starts.len(), method());
-        let laws = LinkedLaws::by_each(&networks[own.clone()], &effects[own], bodies, method.sums())?;
-        Some(side_by_side(method.row(laws), first + from, starts))
+        let own = from..from + starts.len();
+        let row = method.each(&networks[own.clone()], &effects[own], bodies)?;
+        Some(side_by_side(row, first + from, starts))
     })
 }
 

@@ -511,6 +511,16 @@ struct OfOneKind<const W: usize> {
     width: usize,
 }
 
+/// Members of a group in turn, their first row and first entry.
+pub(super) fn runs<const D: usize>(shape: &Shape<D>, group: usize) -> Vec<(Range<usize>, usize, usize)> {
+    let of_component = shape.components.iter().flat_map(|component| {
+        let (row, block) = component.first;
+        let own = component.rows.runs.iter().filter(move |run| run.group == group);
+        own.map(move |run| (run.members.clone(), row + run.row, (block + run.block) * D))
+    });
+    of_component.collect()
+}
+
 impl<const W: usize> Links<W> {
     /// Those of a network, each group by its number; none where some cannot go side by side.
     pub(super) fn of<const D: usize>(
@@ -520,12 +530,7 @@ impl<const W: usize> Links<W> {
         let mut links = Vec::new();
         for (number, group) in shape.groups.iter().enumerate() {
             let (equations, width) = (group.equations(), group.bodies().1 * D);
-            let mut runs = Vec::new();
-            for component in &shape.components {
-                let (row, block) = component.first;
-                let own = component.rows.runs.iter().filter(|run| run.group == number);
-                runs.extend(own.map(|run| (run.members.clone(), row + run.row, (block + run.block) * D)));
-            }
+            let runs = runs(shape, number);
             links.push(OfOneKind { links: in_lanes(number, &**group)?, runs, equations, width });
         }
         Some(Self(links))

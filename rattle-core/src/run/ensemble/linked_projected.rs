@@ -1,10 +1,9 @@
-//! Steps of linked bodies in lanes that disregard the constraints until their end is projected onto them, by the stages
-//! of [`Dop853`]; each lane with inner steps of its own where there is a tolerance. As on surfaces
-//! ([`crate::run::ensemble::projected`]) a row waits for its slowest lane, and what becomes of a lane depends on itself
-//! alone.
+//! Steps of linked bodies in lanes that disregard the constraints until their end is projected onto them; each lane
+//! with inner steps of its own where there is a tolerance. As on surfaces ([`crate::run::ensemble::projected`]) a row
+//! waits for its slowest lane, and what becomes of a lane depends on itself alone.
 //!
 //! ```text
-//! v̇ = M⁻¹(f − Gᵀλ)     λ such that G v̇ + v·∇²g·v = 0            at each stage
+//! q̂, v̂                 by the method (`linked_stages`, `linked_series`), regardless of the constraints
 //! q′ = q̂ − M⁻¹Gᵀ x      Newton's method, with G where it is
 //! v′ = v̂ − M⁻¹Gᵀ(q′) η  η such that G(q′) v′ = 0
 //! ```
@@ -15,36 +14,29 @@
 //! links must not come to depend on each other, bodies must go where their velocities lead, and kinetic energy must not
 //! change by what forces did not give. A lane for which one of these does not hold takes the whole step by itself.
 
-use crate::methods::dop853::Dop853;
-use crate::methods::dop853_table::STAGES;
 use crate::motion::course::{ASTRAY, ROUNDINGS_OF_WAYS};
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
-use crate::run::ensemble::dop853_row::{
-    ARRIVED, BY_ITSELF, MOST_NEWTON_STEPS, MOST_PASSES, MOVES, Pace, Track, choose, one_by_one, put, state,
-};
 use crate::run::ensemble::engine::Stuck;
-use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::linked_plan::{Places, add_product};
 use crate::run::ensemble::linked_projected_row::{
     Kept, Landed, Sums, bent, between, furthest, may_be, move_by, shift, terms,
 };
-use crate::run::ensemble::linked_row::{Course, LinkedRow, PIVOT};
+use crate::run::ensemble::linked_row::{Course, PIVOT};
+use crate::run::ensemble::linked_stand::{Departs, Pulls, Stand};
+use crate::run::ensemble::pace::{ARRIVED, BY_ITSELF, MOST_NEWTON_STEPS, MOST_PASSES, MOVES, one_by_one};
+use crate::run::ensemble::track::{choose, put, state};
 use crate::solve::aim::{INSIDE, ROUNDINGS};
 use crate::solve::crowd::{EVERY, OF_RADIUS, RISES, reach, shares};
 use crate::solve::stop::NOISE;
 use crate::systems::network::in_lanes::{Numbers, Which, any, zeros};
-use std::array::from_fn;
 
 /// A Newton step leaves less than this part of the distance.
 const NEARER: f64 = 0.25;
 
 /// Finds where the step of this number leads a lane by itself.
 pub(super) type Apart<'a, const W: usize> = dyn FnMut(usize, u64, &Kept<W>) -> Result<Landed, Stuck> + 'a;
-
-/// Effects that pull bodies, if any do.
-type Pulls<'a, 'b, const W: usize> = Option<&'a mut (dyn Pulling<LinkedRow, W> + 'b)>;
 
 /// Some steps of a row, after so many.
 pub(super) struct ProjectedSteps<'a, 'b, const W: usize> {
@@ -64,21 +56,24 @@ impl<const W: usize> Work for ProjectedSteps<'_, '_, W> {
     #[inline(always)]
     fn run(self) -> Result<(), Vec<Stuck>> {
         let Self { mut pulling, apart, copy_of, desk, kept, from, steps } = self;
-        if !desk.there {
-            kept.state.iter().zip(state(&mut desk.tracks)).for_each(|(from, to)| to.copy_from_slice(from));
-            desk.be_there(&mut pulling);
+        if !desk.stand.there {
+            kept.state
+                .iter()
+                .zip(state(&mut desk.stand.tracks))
+                .for_each(|(from, to)| to.copy_from_slice(from));
+            desk.stand.be_there(&mut pulling);
         }
         for number in from..from + steps {
             desk.step(&mut pulling);
-            if desk.pace.going.contains(&BY_ITSELF) {
+            if desk.stand.pace.going.contains(&BY_ITSELF) {
                 let (going, put) =
-                    (desk.pace.going, &mut |lane, landed: &Landed| desk.take_over(lane, landed));
+                    (desk.stand.pace.going, &mut |lane, landed: &Landed| desk.take_over(lane, landed));
                 one_by_one(&going, copy_of, &mut |lane| apart(lane, number, kept), put)?;
-                desk.be_there(&mut pulling);
+                desk.stand.be_there(&mut pulling);
             }
             kept.state
                 .iter_mut()
-                .zip(state(&mut desk.tracks))
+                .zip(state(&mut desk.stand.tracks))
                 .for_each(|(to, from)| to.copy_from_slice(from));
             desk.look_around(number + 1, kept)?;
         }
@@ -88,20 +83,11 @@ impl<const W: usize> Work for ProjectedSteps<'_, '_, W> {
 
 /// What a thread works on.
 pub(super) struct Desk<'a, const W: usize> {
-    course: Course<'a, W>,
-    pace: Pace<W>,
-    dimension: usize,
-    /// Numbers of the plan: bodies at a stage, or on trial.
-    numbers: Vec<Numbers<W>>,
+    stand: Stand<'a, W>,
+    method: Box<dyn Departs<W> + 'a>,
     /// The mass of each coordinate, 0 where pinned.
     masses: Vec<Numbers<W>>,
-    /// Places and velocities; and accelerations and G where they are, once they have been evaluated.
-    tracks: [Track<W>; 2],
-    there: bool,
-    pull: Vec<Numbers<W>>,
-    normals: Vec<Numbers<W>>,
-    /// Two numbers of each equation, and one of each entry of G.
-    of_equations: [Vec<Numbers<W>>; 2],
+    /// A number of each entry of G.
     of_entries: Vec<Numbers<W>>,
     /// Places beside those of bodies, and how far off them a step may lead.
     beside: Vec<Numbers<W>>,
@@ -117,31 +103,23 @@ pub(super) struct Desk<'a, const W: usize> {
 }
 
 impl<'a, const W: usize> Desk<'a, W> {
-    /// For bodies of so many coordinates.
+    /// For bodies that stand there and depart by this method.
     #[inline(never)]
-    pub(super) fn new(course: Course<'a, W>, method: Dop853, dimension: usize) -> Self {
-        let plan = course.plan;
-        let (n, m, entries) = (plan.coordinates, plan.equations, plan.of_entry.len());
-        let rows = |number: usize| vec![zeros::<W>(); number];
+    pub(super) fn new(stand: Stand<'a, W>, method: Box<dyn Departs<W> + 'a>) -> Self {
+        let Course { plan, over, .. } = stand.course;
+        let (n, rows) = (plan.coordinates, |number: usize| vec![zeros::<W>(); number]);
         let mut masses = rows(n);
         for (c, mass) in masses.iter_mut().enumerate() {
             for l in 0..W {
-                let over = course.over.map_or(plan.masses[c][1], |over| over[c].0[l].0);
+                let over = over.map_or(plan.masses[c][1], |over| over[c].0[l].0);
                 mass.0[l] = Fused(if over == 0.0 { 0.0 } else { 1.0 / over });
             }
         }
         Self {
-            course,
-            pace: Pace::new(method),
-            dimension,
-            numbers: rows(plan.places.end),
+            stand,
+            method,
             masses,
-            tracks: from_fn(|_| Track::new(n)),
-            there: false,
-            pull: rows(n),
-            normals: rows(entries),
-            of_equations: [rows(m), rows(m)],
-            of_entries: rows(entries),
+            of_entries: rows(plan.of_entry.len()),
             beside: rows(n),
             off: rows(n),
             departed: [rows(n), rows(n)],
@@ -154,56 +132,31 @@ impl<'a, const W: usize> Desk<'a, W> {
 
     /// The instructions that it works by.
     pub(super) fn set(&self) -> Fusing {
-        self.course.set
-    }
-
-    /// Accelerations and normals where all bodies are.
-    #[inline(always)]
-    fn be_there(&mut self, pulling: &mut Pulls<'_, '_, W>) {
-        let Places { q, way, gradient, change, .. } = self.course.plan.places;
-        let (n, entries) = (self.pull.len(), self.normals.len());
-        self.numbers[q..q + n].copy_from_slice(&self.tracks[0].now);
-        self.numbers[way..way + n].copy_from_slice(&self.tracks[1].now);
-        self.respond(true, pulling);
-        self.there = true;
-        self.pull.copy_from_slice(&self.numbers[change..change + n]);
-        self.normals.copy_from_slice(&self.numbers[gradient..gradient + entries]);
+        self.stand.course.set
     }
 
     /// Takes over where a lane is that went by itself.
     fn take_over(&mut self, lane: usize, Landed { state, strays, path }: &Landed) {
-        put(&mut self.tracks, lane, state);
+        put(&mut self.stand.tracks, lane, state);
         let [strays, path] = [*strays, *path].map(Fused);
         (self.strays.0[lane], self.radius.0[lane]) = (strays, bent(path, strays));
-    }
-
-    /// Writes accelerations at the places and velocities on trial to `change`; `afresh` with the normals and the matrix
-    /// of these places, which else are known.
-    #[inline(always)]
-    fn respond(&mut self, afresh: bool, pulling: &mut Pulls<'_, '_, W>) {
-        let Self { course, numbers, of_equations, .. } = self;
-        course.set.run(Respond { course, numbers, of_equations, pulling, afresh });
     }
 
     /// Finds where one step leads all lanes. Those that it cannot lead there are [`BY_ITSELF`] then.
     #[inline(always)]
     fn step(&mut self, pulling: &mut Pulls<'_, '_, W>) {
-        self.pace.begin();
+        self.stand.pace.begin();
         (self.strays, self.radius.0) = (zeros(), [Fused(f64::INFINITY); W]);
         for pass in 0..MOST_PASSES {
-            self.evaluate(pulling);
-            if self.pace.tolerance().is_some() {
-                for first in (0..self.pull.len()).step_by(self.dimension) {
-                    let own = first..first + self.dimension;
-                    let places = self.tracks[0].squares(own.clone());
-                    let velocities = self.tracks[1].squares(own);
-                    self.pace.note(&places, &velocities);
+            self.method.depart(&mut self.stand, pulling);
+            let Stand { course: Course { plan, .. }, pace, numbers, .. } = &self.stand;
+            if pace.tolerance().is_some() {
+                for (departed, from) in self.departed.iter_mut().zip([plan.places.q, plan.places.way]) {
+                    departed.copy_from_slice(&numbers[from..from + plan.coordinates]);
                 }
             }
-            self.pace.judge();
-            self.depart();
             for l in 0..W {
-                self.seeking[l] = if self.pace.takes(l) { MOVES } else { ARRIVED };
+                self.seeking[l] = if pace.takes(l) { MOVES } else { ARRIVED };
                 self.distance.0[l] = Fused(f64::INFINITY);
             }
             for _ in 0..MOST_NEWTON_STEPS {
@@ -211,52 +164,13 @@ impl<'a, const W: usize> Desk<'a, W> {
                     break;
                 }
             }
-            self.course.project(&mut self.numbers);
-            self.respond(false, pulling);
+            self.stand.course.project(&mut self.stand.numbers);
+            self.stand.respond(false, pulling);
             self.look();
             self.weigh();
+            self.method.compare(&mut self.stand);
             if !self.take(pass + 1) {
                 return;
-            }
-        }
-    }
-
-    /// The stages of an inner step.
-    #[inline(always)]
-    fn evaluate(&mut self, pulling: &mut Pulls<'_, '_, W>) {
-        let plan = self.course.plan;
-        let (Places { q, way, change, .. }, n) = (plan.places, plan.coordinates);
-        self.pace.begin_inner();
-        let [places, velocities] = &mut self.tracks;
-        places.note(0, &velocities.now);
-        velocities.note(0, &self.pull);
-        for stage in 1..STAGES {
-            let [places, velocities] = &mut self.tracks;
-            for (track, from) in [(&*places, q), (&*velocities, way)] {
-                let to = &mut self.numbers[from..from + n];
-                track.stage(stage, plan.moving.iter().copied(), &self.pace.inner, to);
-            }
-            places.note(stage, &self.numbers[way..way + n]);
-            self.respond(true, pulling);
-            self.tracks[1].note(stage, &self.numbers[change..change + n]);
-        }
-    }
-
-    /// Where inner steps lead regardless of the constraints.
-    #[inline(always)]
-    fn depart(&mut self) {
-        let plan = self.course.plan;
-        let Places { q, q_low, way, way_low, .. } = plan.places;
-        for &c in &plan.moving {
-            for (track, [high, low]) in self.tracks.iter().zip([[q, q_low], [way, way_low]]) {
-                let (mut sum, mut rest) = (zeros(), zeros());
-                track.arrive(c, &self.pace.inner, &mut sum, &mut rest);
-                (self.numbers[high + c], self.numbers[low + c]) = (sum, rest);
-            }
-        }
-        if self.pace.tolerance().is_some() {
-            for (departed, from) in self.departed.iter_mut().zip([q, way]) {
-                departed.copy_from_slice(&self.numbers[from..from + plan.coordinates]);
             }
         }
     }
@@ -265,7 +179,7 @@ impl<'a, const W: usize> Desk<'a, W> {
     /// a lane is still seeking.
     #[inline(always)]
     fn approach(&mut self) -> bool {
-        let Self { course, numbers, seeking, distance, .. } = self;
+        let Self { stand: Stand { course, numbers, .. }, seeking, distance, .. } = self;
         let Course { plan, links, over, set, .. } = *course;
         let Places { q, q_low, g, gradient, change, .. } = plan.places;
         links.gradients(plan, set, q, numbers);
@@ -315,8 +229,9 @@ impl<'a, const W: usize> Desk<'a, W> {
     /// Has lanes go by themselves whose inner step cannot be believed.
     #[inline(always)]
     fn look(&mut self) {
-        let Self { course, numbers, tracks: [places, velocities], pull, normals, .. } = self;
-        let Self { of_equations: [g, allowed], of_entries, beside, off, pace, .. } = self;
+        let Self { stand, of_entries, beside, off, .. } = self;
+        let Stand { course, numbers, tracks: [places, velocities], pull, normals, .. } = stand;
+        let Stand { of_equations: [g, allowed], pace, .. } = stand;
         let (now, inner) = ([&places.now, &velocities.now], &pace.inner);
         let Course { plan, links, set, .. } = *course;
         let Places { q, way, gradient, lifted, change, diagonal, inverse, .. } = plan.places;
@@ -370,10 +285,10 @@ impl<'a, const W: usize> Desk<'a, W> {
             let Sums { astray, path, size, .. } = &sums;
             let (astray, rounding) = (astray.0[l], Fused(ROUNDINGS * f64::EPSILON) * size.0[l]);
             let believed = (plain[l] != 0) & sums.is_plain(l, rounding) & (self.seeking[l] == ARRIVED);
-            if self.pace.takes(l) & (self.strays.0[l].0 < astray.0) {
+            if pace.takes(l) & (self.strays.0[l].0 < astray.0) {
                 (self.strays.0[l], self.radius.0[l]) = (astray, bent(path.0[l], astray));
             }
-            self.pace.doubt(l, believed);
+            pace.doubt(l, believed);
         }
     }
 
@@ -381,13 +296,13 @@ impl<'a, const W: usize> Desk<'a, W> {
     /// its inner step led.
     #[inline(always)]
     fn weigh(&mut self) {
-        let Some(tolerance) = self.pace.tolerance() else { return };
-        let (plan, h) = (self.course.plan, self.pace.h().0.abs());
-        let Places { q, way, .. } = plan.places;
-        for own in plan.moving.chunk_by(|a, b| a / self.dimension == b / self.dimension) {
+        let Stand { course: Course { plan, .. }, pace, numbers, dimension, .. } = &mut self.stand;
+        let Some(tolerance) = pace.tolerance() else { return };
+        let (Places { q, way, .. }, h) = (plan.places, pace.h().0.abs());
+        for own in plan.moving.chunk_by(|a, b| a / *dimension == b / *dimension) {
             let [mut off, mut turned, mut size, mut speed] = [[0.0_f64; W]; 4];
             for &c in own {
-                let (place, velocity) = (&self.numbers[q + c], &self.numbers[way + c]);
+                let (place, velocity) = (&numbers[q + c], &numbers[way + c]);
                 for l in 0..W {
                     let (place, velocity) = (place.0[l].0, velocity.0[l].0);
                     let [way, change] =
@@ -399,7 +314,7 @@ impl<'a, const W: usize> Desk<'a, W> {
             for l in 0..W {
                 let rounding = ROUNDINGS_OF_WAYS * f64::EPSILON * (size[l] + h * speed[l]);
                 let moved = off[l].sqrt() + h * turned[l].sqrt();
-                self.pace.doubt(l, moved <= ASTRAY * tolerance + rounding);
+                pace.doubt(l, moved <= ASTRAY * tolerance + rounding);
             }
         }
     }
@@ -407,17 +322,17 @@ impl<'a, const W: usize> Desk<'a, W> {
     /// Takes the inner steps that are taken, after so many. Returns whether a lane has still some way to go.
     #[inline(always)]
     fn take(&mut self, passes: usize) -> bool {
-        let plan = self.course.plan;
+        let Stand { course: Course { plan, .. }, pace, numbers, tracks, pull, normals, .. } = &mut self.stand;
         let Places { q, q_low, way, way_low, gradient, change, .. } = plan.places;
-        let (moves, any) = self.pace.advance(passes);
+        let (moves, any) = pace.advance(passes);
         for &c in &plan.moving {
-            for (track, [high, low]) in self.tracks.iter_mut().zip([[q, q_low], [way, way_low]]) {
-                track.take(&moves, c, [&self.numbers[high + c], &self.numbers[low + c]]);
+            for (track, [high, low]) in tracks.iter_mut().zip([[q, q_low], [way, way_low]]) {
+                track.take(&moves, c, [&numbers[high + c], &numbers[low + c]]);
             }
-            choose(&moves, &self.numbers[change + c], &mut self.pull[c]);
+            choose(&moves, &numbers[change + c], &mut pull[c]);
         }
-        for (entry, normal) in self.normals.iter_mut().enumerate() {
-            choose(&moves, &self.numbers[gradient + entry], normal);
+        for (entry, normal) in normals.iter_mut().enumerate() {
+            choose(&moves, &numbers[gradient + entry], normal);
         }
         any
     }
@@ -445,7 +360,7 @@ impl<'a, const W: usize> Desk<'a, W> {
     /// Looks for other sheets around these lanes.
     #[inline(always)]
     fn look_for_others(&mut self, turn: u64, lanes: &Which<W>, asked: &Numbers<W>) -> Result<(), Vec<Stuck>> {
-        self.course.set.run(Others { desk: self, turn, lanes, asked })
+        self.set().run(Others { desk: self, turn, lanes, asked })
     }
 }
 
@@ -464,8 +379,9 @@ impl<const W: usize> Work for Others<'_, '_, W> {
     #[inline(always)]
     fn run(self) -> Result<(), Vec<Stuck>> {
         let Self { desk, turn, lanes, asked } = self;
-        let Desk { course: Course { plan, links, set, .. }, tracks, normals, radius, .. } = desk;
-        let Desk { of_equations: [g, shifts], of_entries, beside, .. } = desk;
+        let Desk { stand, radius, of_entries, beside, .. } = desk;
+        let Stand { course: Course { plan, links, set, .. }, tracks, normals, .. } = stand;
+        let [g, shifts] = &mut stand.of_equations;
         for (i, entries) in plan.of_row.iter().enumerate() {
             let mut square = zeros::<W>();
             entries.iter().for_each(|&[e, _]| add_product(&mut square, &normals[e], &normals[e]));
@@ -500,41 +416,5 @@ impl<const W: usize> Work for Others<'_, '_, W> {
         }
         let lanes = (0..W).filter(|&lane| crowded[lane] != 0);
         Err(lanes.map(|lane| Stuck { lane, failure: None }).collect())
-    }
-}
-
-/// See [`Desk::respond`].
-struct Respond<'a, 'b, 'c, 'd, const W: usize> {
-    course: &'a Course<'b, W>,
-    numbers: &'a mut [Numbers<W>],
-    of_equations: &'a mut [Vec<Numbers<W>>; 2],
-    pulling: &'a mut Pulls<'c, 'd, W>,
-    afresh: bool,
-}
-
-impl<const W: usize> Work for Respond<'_, '_, '_, '_, W> {
-    type Done = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { course, numbers, of_equations: [bends, turns], pulling, afresh } = self;
-        let Course { plan, links, over, set, .. } = *course;
-        let (Places { q, way, change, g, .. }, n) = (plan.places, plan.coordinates);
-        if afresh {
-            links.gradients(plan, set, q, numbers);
-            plan.lift(over, numbers);
-            plan.factor.carry_out(numbers);
-        }
-        numbers[change..change + n].fill(zeros());
-        course.kick(1.0, change, numbers, pulling);
-        plan.rates.carry_out(numbers);
-        links.bends(set, [&numbers[q..q + n], &numbers[way..way + n]], bends, turns);
-        for (i, bend) in bends.iter().enumerate() {
-            for l in 0..W {
-                numbers[g + i].0[l] = numbers[g + i].0[l] + bend.0[l];
-            }
-        }
-        plan.solve(numbers);
-        plan.push.carry_out(numbers);
     }
 }

@@ -5,14 +5,17 @@ use crate::effect::list::Forces;
 use crate::error::Error;
 use crate::methods::dop853::Dop853;
 use crate::methods::dop853_table::STAGES;
+use crate::methods::taylor::Taylor;
 use crate::motion::bodies::{Body, Many};
-use crate::motion::method::Method;
+use crate::motion::method::{Method, View};
+use crate::motion::need::Need;
 use crate::motion::parts::Parts;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
-use crate::run::ensemble::by_itself::{placed, step, steps};
+use crate::run::ensemble::by_itself::{prepared, steps};
+use crate::run::ensemble::dop853_row::Stages;
 use crate::run::ensemble::engine::{Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::lane_record::{of_projected, read_all, write_all};
@@ -22,6 +25,9 @@ use crate::run::ensemble::linked_plan::LinkedPlan;
 use crate::run::ensemble::linked_projected::{Desk, ProjectedSteps};
 use crate::run::ensemble::linked_projected_row::{Kept, Landed};
 use crate::run::ensemble::linked_row::{Course, LinkedRow};
+use crate::run::ensemble::linked_series::Expansion;
+use crate::run::ensemble::linked_series_law::SeriesLaws;
+use crate::run::ensemble::linked_stand::{Departs, Stand};
 use crate::run::fingerprint::{Looks, of_lane};
 use crate::run::trouble::Trouble;
 use crate::solve::crowd::Asked;
@@ -33,27 +39,99 @@ use std::array::from_fn;
 use std::hint::black_box;
 use std::sync::Arc;
 
-/// A row of trajectories of linked bodies.
-pub(super) struct LinkedProjected<F, const D: usize, const W: usize> {
-    plan: Arc<LinkedPlan>,
-    laws: Arc<LinkedLaws<F, D, W>>,
-    kept: Kept<W>,
-    method: Dop853,
-    set: Fusing,
-}
+/// A method whose steps are projected, for rows of linked bodies.
+pub(super) trait ProjectsLinks: Clone + Send + Sync + 'static {
+    /// The method itself.
+    type Method: Method;
 
-impl<F, const D: usize, const W: usize> Clone for LinkedProjected<F, D, W> {
-    fn clone(&self) -> Self {
-        let Self { plan, laws, kept, method, set } = self;
-        Self { plan: plan.clone(), laws: laws.clone(), kept: kept.clone(), method: *method, set: *set }
+    /// The method, as simulations have it.
+    fn method(&self) -> &Self::Method;
+    /// How often an inner step evaluates forces.
+    fn evaluations(&self) -> u32;
+    /// What finds where inner steps lead, of bodies of so many coordinates.
+    fn departs<'a, const W: usize>(&'a self, plan: &LinkedPlan, dimension: usize)
+    -> Box<dyn Departs<W> + 'a>;
+    /// Has lane `to` obey what lane `from` does, as these laws have it already, where the method keeps what lanes obey.
+    fn obey<F, const D: usize, const W: usize>(&mut self, _: &LinkedLaws<F, D, W>, _from: usize, _to: usize) {
     }
 }
 
-impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedProjected<F, D, W> {
+impl ProjectsLinks for Dop853 {
+    type Method = Self;
+
+    fn method(&self) -> &Self {
+        self
+    }
+    fn evaluations(&self) -> u32 {
+        STAGES as u32
+    }
+    fn departs<'a, const W: usize>(&'a self, plan: &LinkedPlan, _: usize) -> Box<dyn Departs<W> + 'a> {
+        Box::new(Stages::new([plan.coordinates; 2]))
+    }
+}
+
+/// The method, and what lanes obey as power series.
+#[derive(Clone)]
+pub(super) struct TaylorOfLinks {
+    pub(super) method: Taylor,
+    pub(super) laws: SeriesLaws,
+}
+
+impl ProjectsLinks for TaylorOfLinks {
+    type Method = Taylor;
+
+    fn method(&self) -> &Taylor {
+        &self.method
+    }
+    fn evaluations(&self) -> u32 {
+        self.method.order()
+    }
+    fn departs<'a, const W: usize>(
+        &'a self,
+        plan: &LinkedPlan,
+        dimension: usize,
+    ) -> Box<dyn Departs<W> + 'a> {
+        Box::new(Expansion::new(self.method, &self.laws, plan, dimension))
+    }
+    fn obey<F, const D: usize, const W: usize>(
+        &mut self,
+        laws: &LinkedLaws<F, D, W>,
+        from: usize,
+        to: usize,
+    ) {
+        self.laws.copy(laws, from, to);
+    }
+}
+
+/// What the method sees of linked bodies.
+type Seen<'a, M, F, const D: usize> = View<'a, <M as ProjectsLinks>::Method, f64, Linked<F, Many, D>, D>;
+
+/// A row of trajectories of linked bodies.
+pub(super) struct LinkedProjected<M, F, const D: usize, const W: usize> {
+    plan: Arc<LinkedPlan>,
+    laws: Arc<LinkedLaws<F, D, W>>,
+    kept: Kept<W>,
+    method: M,
+    set: Fusing,
+}
+
+impl<M: Clone, F, const D: usize, const W: usize> Clone for LinkedProjected<M, F, D, W> {
+    fn clone(&self) -> Self {
+        let Self { plan, laws, kept, method, set } = self;
+        Self { plan: plan.clone(), laws: laws.clone(), kept: kept.clone(), method: method.clone(), set: *set }
+    }
+}
+
+impl<M: ProjectsLinks, F: Forces<f64, D>, const D: usize, const W: usize> LinkedProjected<M, F, D, W> {
     /// Lanes, none of them set, of what is obeyed there.
-    pub(super) fn new((plan, laws): (LinkedPlan, LinkedLaws<F, D, W>), method: Dop853, set: Fusing) -> Self {
+    pub(super) fn new((plan, laws): (LinkedPlan, LinkedLaws<F, D, W>), method: M, set: Fusing) -> Self {
         let kept = Kept::new(plan.coordinates);
         Self { plan: Arc::new(plan), laws: Arc::new(laws), kept, method, set }
+    }
+
+    /// What the method sees of a system; none where it cannot move it, which was asked.
+    fn view(system: &Linked<F, Many, D>) -> Option<Seen<'_, M, F, D>> {
+        <M::Method as Method>::Need::of(system).ok()
     }
 
     /// The bodies of a lane.
@@ -85,13 +163,14 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedProjected<F, D, W>
         let (law, start) = (self.laws.law(lane), self.bodies_of(kept, lane));
         let Law { system, masses, .. } = law;
         let stuck = |failure| Stuck { lane, failure };
-        let (bodies, system) = (placed(&**system, &start, room), &**system);
+        let (method, view) = (self.method.method(), Self::view(system).ok_or_else(|| stuck(None))?);
+        let bodies = prepared(method, (&**system, view), &start, room);
         *bodies.kept.asked() = Asked { steps: number, reach: kept.asked.0[lane].0, near: false };
-        step(&self.method, (system, system), bodies).map_err(|failure| stuck(Some(failure)))?;
+        method.step(view, bodies, &mut [], &mut ()).map_err(|failure| stuck(Some(failure)))?;
         if bodies.kept.asked().near {
             return Err(stuck(None));
         }
-        let (mut strays, mut path, half) = (0.0_f64, 0.0_f64, 0.5 * self.method.step_size());
+        let (mut strays, mut path, half) = (0.0_f64, 0.0_f64, 0.5 * method.step_size());
         let mut state: [Vec<f64>; 4] = from_fn(|_| Vec::with_capacity(masses.len()));
         for (c, [_, over]) in masses.iter().enumerate() {
             let (from, i, d) = (&start[c / D], c / D, c % D);
@@ -122,7 +201,8 @@ fn put<const D: usize, const W: usize>(
     }
 }
 
-impl<F: Forces<f64, D>, const D: usize, const W: usize> Engine<D> for LinkedProjected<F, D, W>
+impl<M: ProjectsLinks, F: Forces<f64, D>, const D: usize, const W: usize> Engine<D>
+    for LinkedProjected<M, F, D, W>
 where
     Width: Wide<W>,
 {
@@ -144,12 +224,13 @@ where
         let course = Course { plan, links, over, parts: &[], equal: false, sums: true, set: self.set };
         let (mut kept, n) = (self.kept.clone(), self.bodies_of_each());
         let mut room = pulls.as_ref().map(|pulls| pulls.begin());
-        let mut desk = Desk::new(course, self.method, D);
         let copy_of = from_fn(|lane| tour.copy_of(lane));
         let mut rooms: Vec<_> = self.laws.laws.iter().map(|_| None).collect();
         let mut apart = |lane: usize, number: u64, kept: &Kept<W>| {
             self.step_alone(lane, number, kept, &mut rooms[self.laws.number_of_law(lane)])
         };
+        let stand = Stand::new(course, self.method.method(), D);
+        let mut desk = Desk::new(stand, self.method.departs(plan, D));
         while let Some(Leg { from, steps, written, .. }) = tour.next() {
             Width::project(ProjectedSteps {
                 pulling: room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<LinkedRow, W>),
@@ -173,7 +254,7 @@ where
         put(&law.masses, kept, lane, bodies);
         (kept.asked.0[lane], kept.astray.0[lane]) = (Fused(0.0), Fused(0.0));
         let finite = bodies.iter().all(|body| body.q.iter().chain(&body.p).all(|x| x.is_finite()));
-        finite && law.is_plain(&self.plan, (&law.system.bodies(bodies, 0.0), bodies), self.method.step_size())
+        finite && law.is_plain(&self.plan, (&law.system.bodies(bodies, 0.0), bodies), self.step_size())
     }
 
     fn copy(&mut self, from: usize, to: usize) {
@@ -183,12 +264,13 @@ where
     fn obey(&mut self, from: usize, to: usize) {
         if !self.laws.alike() {
             Arc::make_mut(&mut self.laws).copy(from, to);
+            self.method.obey(&self.laws, from, to);
         }
     }
 
     fn obey_as_in(&mut self, engine: &dyn Engine<D>) {
-        if let Some(Self { laws, .. }) = (engine as &dyn Any).downcast_ref() {
-            self.laws = laws.clone();
+        if let Some(Self { laws, method, .. }) = (engine as &dyn Any).downcast_ref() {
+            (self.laws, self.method) = (laws.clone(), method.clone());
         }
     }
 
@@ -204,16 +286,17 @@ where
         _: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
         let law = self.laws.law(lane);
-        let ready = law.ready(bodies, self.method.step_size());
+        let ready = law.ready(bodies, self.step_size());
         let system = ready.as_ref().unwrap_or(&law.system);
-        Ok(self::steps(&self.method, (system, system), bodies, number, parts)?)
+        let Some(view) = Self::view(system) else { return Ok((bodies.to_vec(), 0.0)) }; // never
+        Ok(self::steps(self.method.method(), (system, view), bodies, number, parts)?)
     }
 
     fn kick_alone(&self, steps: u32) {
         let Some(pulls) = &self.laws.pulls else { return };
         let (mut pulling, plan) = (pulls.begin(), &*self.plan);
         let mut kicked = vec![zeros(); plan.coordinates];
-        for _ in 0..steps * STAGES as u32 {
+        for _ in 0..steps * self.method.evaluations() {
             pulling.pull(self.set, 1e-9, (black_box(&self.kept.state[0]), &plan.masses, &mut kicked));
         }
         black_box(kicked);
@@ -238,11 +321,13 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        of_projected(&self.method)
+        of_projected(self.method.method())
     }
 }
 
-impl<F: Forces<f64, D>, const D: usize, const W: usize> Obeying<D> for LinkedProjected<F, D, W> {
+impl<M: ProjectsLinks, F: Forces<f64, D>, const D: usize, const W: usize> Obeying<D>
+    for LinkedProjected<M, F, D, W>
+{
     type System = Linked<F, Many, D>;
 
     fn system(&self, lane: usize) -> &Self::System {
@@ -250,6 +335,6 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> Obeying<D> for LinkedPro
     }
 
     fn step_size(&self) -> f64 {
-        self.method.step_size()
+        self.method.method().step_size()
     }
 }

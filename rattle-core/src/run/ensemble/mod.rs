@@ -19,12 +19,12 @@
 //!   last four also with [flows](crate::effect::Flow) of momenta, such as heat, drag and magnetic fields, unless they
 //!   [feel forces](crate::effect::Flow::FEELS_FORCES) or have a memory;
 //! * linked bodies, up to 16 384 numbers of one trajectory (chains of some 400 links in space), moved by the same
-//!   methods except Lobatto's and `Taylor`, always in double precision; also with flows of momenta, of the same kinds.
+//!   methods except Lobatto's, always in double precision; also with flows of momenta, of the same kinds.
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
 //!   different topologies, or with other bodies pinned;
-//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the methods of linked bodies, always in
-//!   double precision; also with flows of momenta, of the same kinds;
+//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the methods of linked bodies except
+//!   `Taylor`, always in double precision; also with flows of momenta, of the same kinds;
 //! * any number of bodies in [phase space](crate::systems::phase), of up to 16 coordinates, moved by RATTLE or a
 //!   composition of it, always in double precision with compensated sums.
 //!
@@ -83,10 +83,15 @@ mod linked_projected;
 mod linked_projected_lanes;
 mod linked_projected_row;
 mod linked_row;
+mod linked_series;
+mod linked_series_law;
+mod linked_stages;
+mod linked_stand;
 mod linked_stirred;
 mod linked_stirring;
 mod look;
 mod loops;
+mod pace;
 mod phase_energy;
 mod phase_fibre;
 mod phase_hidden;
@@ -108,6 +113,7 @@ mod rigid_projected_lanes;
 mod rigid_row;
 mod rigid_stirring;
 mod row;
+mod series_in_lanes;
 mod side_by_side;
 mod side_by_side_record;
 mod splits;
@@ -117,6 +123,7 @@ mod stirred;
 mod stirring;
 pub mod stream;
 mod taylor_lanes;
+mod track;
 pub mod trajectories;
 mod until;
 mod watching;

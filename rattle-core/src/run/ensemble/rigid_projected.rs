@@ -18,13 +18,14 @@ use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::{largest, scaled, sum, two_sum};
-use crate::run::ensemble::dop853_row::{
-    ARRIVED, BY_ITSELF, MOST_NEWTON_STEPS, MOST_PASSES, MOVES, Pace, State, Track, choose, one_by_one,
-    put as put_there, state,
-};
+use crate::run::ensemble::dop853_row::Stages;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
+use crate::run::ensemble::pace::{
+    ARRIVED, BY_ITSELF, MOST_NEWTON_STEPS, MOST_PASSES, MOVES, Pace, one_by_one,
+};
 use crate::run::ensemble::rigid_row::{Inertia, Nine, RigidRow, Three};
+use crate::run::ensemble::track::{State, Track, choose, put as put_there, state};
 use crate::systems::network::in_lanes::{Numbers, Which, any, at, put, zeros};
 use crate::systems::rigid::rotation::{CROOKED, Moments, cross, deviation, product};
 use std::array::from_fn;
@@ -83,6 +84,7 @@ pub(super) struct Desk<'a> {
     pace: Pace<ROW>,
     /// Attitudes and momenta; and their rates there, once they have been evaluated.
     tracks: [Track<ROW>; 2],
+    stages: Stages<ROW>,
     there: bool,
     rates: [Vec<Numbers<ROW>>; 2],
     /// The same at a stage, or at the end of an inner step; and what rounding takes from both at that end.
@@ -102,8 +104,9 @@ impl<'a> Desk<'a> {
         Self {
             inertia,
             set,
-            pace: Pace::new(method),
+            pace: Pace::new(&method),
             tracks: COORDINATES.map(|own| Track::new(own * bodies)),
+            stages: Stages::new(COORDINATES.map(|own| own * bodies)),
             there: false,
             rates: from_fn(rows),
             trial: [rows(0), rows(1), rows(0), rows(1)],
@@ -161,17 +164,17 @@ impl<'a> Desk<'a> {
     /// The stages of an inner step.
     #[inline(always)]
     fn evaluate(&mut self, pulling: &mut Pulls<'_, '_>) {
-        self.pace.begin_inner();
-        for (track, rates) in self.tracks.iter_mut().zip(&self.rates) {
-            track.note(0, rates);
+        self.stages.begin(&mut self.pace);
+        for (of_stages, rates) in self.stages.of.iter_mut().zip(&self.rates) {
+            of_stages.note(0, rates);
         }
         for stage in 1..STAGES {
-            for (track, trial) in self.tracks.iter().zip(&mut self.trial) {
-                track.stage(stage, 0..trial.len(), &self.pace.inner, trial);
+            for ((track, rates), trial) in self.tracks.iter().zip(&self.stages.of).zip(&mut self.trial) {
+                rates.stage(stage, track, 0..trial.len(), &self.pace.inner, trial);
             }
             self.respond(pulling);
-            for (track, rates) in self.tracks.iter_mut().zip(&self.rates_there) {
-                track.note(stage, rates);
+            for (of_stages, rates) in self.stages.of.iter_mut().zip(&self.rates_there) {
+                of_stages.note(stage, rates);
             }
         }
     }
@@ -180,26 +183,27 @@ impl<'a> Desk<'a> {
     #[inline(always)]
     fn judge(&mut self) {
         if self.pace.tolerance().is_some() {
-            let [attitudes, momenta] = &self.tracks;
             for body in 0..self.torques.len() {
-                let mut rates = [zeros(); 2];
+                let ([attitudes, momenta], mut rates) = (&self.stages.of, [zeros(); 2]);
                 for i in 0..3 {
                     let squares = momenta.squares(3 * body + i..3 * body + i + 1);
                     as_matrices(&self.inertia.over[i], &squares, &mut rates);
                 }
-                self.pace.note(&attitudes.squares(9 * body..9 * body + 9), &rates);
+                let places = attitudes.squares(9 * body..9 * body + 9);
+                self.stages.note(&self.pace, &places, &rates);
             }
         }
-        self.pace.judge();
+        self.stages.judge(&mut self.pace);
     }
 
     /// Where inner steps lead.
     #[inline(always)]
     fn depart(&mut self) {
         let [q, m, q_low, m_low] = &mut self.trial;
-        for (track, (high, low)) in self.tracks.iter().zip([(q, q_low), (m, m_low)]) {
+        let tracks = self.tracks.iter().zip(&self.stages.of);
+        for ((track, rates), (high, low)) in tracks.zip([(q, q_low), (m, m_low)]) {
             for (c, (high, low)) in high.iter_mut().zip(low).enumerate() {
-                track.arrive(c, &self.pace.inner, high, low);
+                rates.arrive(track, c, &self.pace.inner, high, low);
             }
         }
     }

@@ -12,8 +12,7 @@ use crate::motion::system::System;
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
-use crate::run::ensemble::by_itself::{placed, step, steps};
-use crate::run::ensemble::dop853_row::State;
+use crate::run::ensemble::by_itself::{prepared, steps};
 use crate::run::ensemble::engine::{Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::lane_record::{of_projected, read_all, write_all};
@@ -21,6 +20,7 @@ use crate::run::ensemble::rigid_going::project;
 use crate::run::ensemble::rigid_law::RigidLaws;
 use crate::run::ensemble::rigid_projected::{COORDINATES, Desk, ProjectedSteps, ROW};
 use crate::run::ensemble::rigid_row::{Nine, RigidRow};
+use crate::run::ensemble::track::State;
 use crate::run::fingerprint::{Looks, of_lane};
 use crate::run::trouble::Trouble;
 use crate::systems::network::in_lanes::{Numbers, zeros};
@@ -86,8 +86,9 @@ impl<Y: System<f64, D>, const D: usize> RigidProjected<Y, D> {
     ) -> Result<[Vec<f64>; 4], Stuck> {
         let system = self.laws.system(lane);
         let view = view(system).map_err(|_| Stuck { lane, failure: None })?;
-        let bodies = placed(system, &Self::bodies_of(kept, lane), room);
-        step(&self.method, view, bodies).map_err(|failure| Stuck { lane, failure: Some(failure) })?;
+        let bodies = prepared(&self.method, (system, view), &Self::bodies_of(kept, lane), room);
+        let done = self.method.step::<f64, Y, _, D>(view, bodies, &mut [], &mut ());
+        done.map_err(|failure| Stuck { lane, failure: Some(failure) })?;
         Ok(numbers(&bodies.all()))
     }
 }
@@ -174,8 +175,9 @@ impl<Y: System<f64, D>, const D: usize> Engine<D> for RigidProjected<Y, D> {
         OwnSteps { number, parts, .. }: OwnSteps,
         _: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
-        let Ok(view) = view(self.laws.system(lane)) else { return Ok((bodies.to_vec(), 0.0)) }; // never: it was asked
-        Ok(steps(&self.method, view, bodies, number, parts)?)
+        let system = self.laws.system(lane);
+        let Ok(view) = view(system) else { return Ok((bodies.to_vec(), 0.0)) }; // never: it was asked
+        Ok(steps(&self.method, (system, view), bodies, number, parts)?)
     }
 
     fn kick_alone(&self, steps: u32) {

@@ -6,6 +6,7 @@ use crate::number::instructions::Fusing;
 use crate::run::ensemble::block::Part;
 
 /// A splitting, as it moves rows of linked and of rigid bodies.
+#[derive(Clone)]
 pub(super) struct Splits {
     pub(super) stages: Vec<Stage>,
     pub(super) parts: Vec<Part>,

@@ -4,7 +4,7 @@ use crate::effect::list::Effects;
 use crate::error::{Error, RecordMistake, StartFailure};
 use crate::motion::bodies::Count;
 use crate::motion::hold::{Hold, Kind};
-use crate::motion::method::{Method, Projecting, Splitting, check_tolerance};
+use crate::motion::method::{Method, check_tolerance};
 use crate::motion::record::Record;
 use crate::motion::state::State;
 use crate::number::instructions::InstructionSet;
@@ -13,7 +13,7 @@ use crate::run::bill::Bill;
 use crate::run::ensemble::alone::Alone;
 use crate::run::ensemble::apart::{NotInLanes, Plan, act_in_lanes};
 use crate::run::ensemble::group::Group;
-use crate::run::ensemble::grouping::{Alike, Different, Groups, HowInLanes, InRows};
+use crate::run::ensemble::grouping::{Alike, Different, Groups, HowInLanes, InRows, goes_as};
 use crate::run::ensemble::grouping_rows::{TurnedAlike, TurnedApart, linked, linked_apart, rigid};
 use crate::run::ensemble::precision::{Double, Precision};
 use crate::run::ensemble::side_by_side::STRETCH;
@@ -80,14 +80,6 @@ impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Scene<C, E, 
     ) -> Result<Ensemble<D>, Error> {
         Ensemble::of(precision, self, starts, method, InstructionSet::widest())
     }
-}
-
-/// Whether constraints are of a kind that the method moves in rows: a splitting, one that draws momenta anew, or, of
-/// linked and rigid bodies, [`Dop853`](crate::methods::dop853::Dop853). Asked where a constant is wanted: what is not
-/// asked for is then not compiled.
-const fn goes_as<C: Hold<D>, S: Method, const D: usize>(kind: Kind) -> bool {
-    let projects = matches!((kind, S::PROJECTS), (Kind::Network | Kind::Rigid, Projecting::Dop853));
-    C::KIND as u8 == kind as u8 && (!matches!(S::SPLITTING, Splitting::Not) || S::RENEWS || projects)
 }
 
 impl<const D: usize> Ensemble<D> {

@@ -5,8 +5,9 @@ use crate::kernel::kinks::{Kink, first_kink, sign_changes};
 use crate::kernel::over::short_name;
 use crate::kernel::series::AnyOrder;
 use crate::number::lanes::{Fused, side_by_side};
-use crate::systems::network::in_lanes::{FEW, LinksInLanes, Number, ROW, RowLinks, SweptLinks};
+use crate::systems::network::in_lanes::{FEW, LinksInLanes, Number, Numbers, ROW, RowLinks, SweptLinks};
 use crate::systems::network::places::{Evaluated, Places};
+use crate::systems::network::series_in_lanes::{LinkSeries, LinksInSeries};
 use std::any::Any;
 use std::array::from_fn;
 use std::fmt::Debug;
@@ -79,6 +80,10 @@ pub(crate) trait LinkGroup<const D: usize>: Any + Debug + Send + Sync {
     /// one; none also where groups are of other kinds, or tie other bodies.
     fn swept(&self, groups: &[&dyn LinkGroup<D>]) -> Option<Box<dyn RowLinks<ROW>>>;
 
+    /// The same as power series for a few trajectories, all with the parameters of one group, this one, or each with
+    /// those of its own, the first of which is this one.
+    fn in_series(&self, groups: &[&dyn LinkGroup<D>]) -> Option<Arc<dyn LinkSeries>>;
+
     /// Whether there are kinks.
     fn has_kinks(&self) -> bool;
     /// Whether what changes its sign where a normal may jump has another one at the second places and times.
@@ -112,6 +117,7 @@ pub(crate) struct Links<G, const K: usize, const M: usize, const A: usize, const
     in_lanes: fn(&Self) -> Box<dyn RowLinks<ROW>>,
     in_few_lanes: fn(&Self) -> Box<dyn RowLinks<FEW>>,
     swept: fn(&[&Self]) -> Box<dyn RowLinks<ROW>>,
+    in_series: fn(&[&Self]) -> Arc<dyn LinkSeries>,
 }
 
 impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Debug for Links<G, K, M, A, D> {
@@ -137,12 +143,21 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
             acting: None,
             in_lanes: |links| Box::new(links.fused::<C>()),
             in_few_lanes: |links| Box::new(links.fused::<C>()),
-            swept: |links| Box::new(Self::swept_as::<C>(links)),
+            swept: |links| {
+                let (kernels, members) = (Self::kernels_of::<C, ROW>(links), links[0].members.clone());
+                Box::new(SweptLinks::<C, K, M, A, D> { kernels, members })
+            },
+            in_series: |links| {
+                let (kernels, members) = (Self::kernels_of::<C, FEW>(links), links[0].members.clone());
+                Arc::new(LinksInSeries::<_, K, M, A, D> { kernels, members })
+            },
         }
     }
 
-    /// Those of each lane; of lanes beyond these the first.
-    fn swept_as<C: Constraint<K, M, Kernel<f64> = G>>(links: &[&Self]) -> SweptLinks<C, K, M, A, D> {
+    /// Kernels whose numbers are those of each lane; of lanes beyond these the first.
+    fn kernels_of<C: Constraint<K, M, Kernel<f64> = G>, const W: usize>(
+        links: &[&Self],
+    ) -> Vec<C::Kernel<Numbers<W>>> {
         let number = links.iter().map(|links| links.kernels.len()).max().unwrap_or(1);
         let kernel = |member| {
             side_by_side(
@@ -154,7 +169,7 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
                 |kernel, number| C::map_kernel(kernel, number),
             )
         };
-        SweptLinks { kernels: (0..number).map(kernel).collect(), members: links[0].members.clone() }
+        (0..number).map(kernel).collect()
     }
 
     /// The same over numbers of lanes.
@@ -208,6 +223,14 @@ where
 {
     fn goes_in_lanes(&self) -> bool {
         self.acting.is_none() && const { !Self::MOVING && G::KINKS.is_empty() }
+    }
+
+    /// These groups, if they are of this kind, tie the same bodies, and go in lanes.
+    fn alike_in_lanes<'a>(&self, groups: &[&'a dyn LinkGroup<D>]) -> Option<Vec<&'a Self>> {
+        let links = groups.iter().map(|&group| (group as &dyn Any).downcast_ref::<Self>());
+        let links = links.collect::<Option<Vec<_>>>()?;
+        let alike = links.iter().all(|links| links.goes_in_lanes() && links.members == self.members);
+        alike.then_some(links)
     }
 }
 
@@ -336,10 +359,11 @@ where
     }
 
     fn swept(&self, groups: &[&dyn LinkGroup<D>]) -> Option<Box<dyn RowLinks<ROW>>> {
-        let links = groups.iter().map(|&group| (group as &dyn Any).downcast_ref::<Self>());
-        let links = links.collect::<Option<Vec<_>>>()?;
-        let alike = links.iter().all(|links| links.goes_in_lanes() && links.members == self.members);
-        alike.then(|| (self.swept)(&links))
+        self.alike_in_lanes(groups).map(|links| (self.swept)(&links))
+    }
+
+    fn in_series(&self, groups: &[&dyn LinkGroup<D>]) -> Option<Arc<dyn LinkSeries>> {
+        self.alike_in_lanes(groups).map(|links| (self.in_series)(&links))
     }
 
     fn has_kinks(&self) -> bool {

@@ -20,6 +20,7 @@ pub(crate) mod orthogonal;
 pub(crate) mod pattern;
 pub(crate) mod places;
 pub(crate) mod rows;
+pub(crate) mod series_in_lanes;
 pub(crate) mod shape;
 pub(crate) mod solver;
 #[cfg(feature = "faer")]

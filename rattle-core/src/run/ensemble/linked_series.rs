@@ -1,0 +1,408 @@
+//! Inner steps of linked bodies in lanes by the power series of [`Taylor`]: as in
+//! [a simulation](crate::systems::linked) order by order, with λ of each order from one solve by the factors at the
+//! start.
+//!
+//! ```text
+//! k M vₖ = fₖ₋₁ + Σⱼ λⱼ₋₁ nₖ₋ⱼ,   Σⱼ nⱼ·vₖ₋ⱼ = 0,   qₖ₊₁ = vₖ/(k + 1)
+//! ```
+//!
+//! A few lanes at a time, whatever the width of the row: the products of all orders stay in the nearer cache, and lanes
+//! that have arrived are left out where all of a few have.
+
+use crate::kernel::series::{Products, blocks};
+use crate::methods::taylor::{SMALLEST_PART, Taylor};
+use crate::motion::method::Method;
+use crate::number::instructions::Work;
+use crate::number::lanes::Fused;
+use crate::number::real::Real;
+use crate::run::ensemble::linked_plan::{LinkedPlan, Places, add_product};
+use crate::run::ensemble::linked_row::Course;
+use crate::run::ensemble::linked_series_law::SeriesLaws;
+use crate::run::ensemble::linked_stand::{Departs, Pulls, Stand};
+use crate::run::ensemble::pace::MOVES;
+use crate::run::ensemble::series_in_lanes::PullingInSeries;
+use crate::systems::network::in_lanes::{FEW, Number, Numbers, zeros};
+use std::ops::Range;
+
+/// Accelerations may differ by so many roundings of places in the square of an inner step.
+const ROUNDINGS_OF_SERIES: f64 = 1024.0;
+
+/// Where inner steps lead, by power series.
+pub(super) struct Expansion<'a, const W: usize> {
+    method: Taylor,
+    few: Few<'a>,
+    /// By how much inner steps change places and velocities.
+    changes: [Vec<Numbers<W>>; 2],
+    /// Accelerations at their ends; and of each body their last two terms, which tell what the series leaves out.
+    bends: Vec<Numbers<W>>,
+    left_out: Vec<Numbers<W>>,
+}
+
+/// The series of a few lanes.
+struct Few<'a> {
+    laws: &'a SeriesLaws,
+    pulling: Option<Box<dyn PullingInSeries + 'a>>,
+    /// Products of each kind of links; and of −λ with n and of n with v, entry by entry.
+    of_links: Vec<Products<Numbers<FEW>>>,
+    own: Products<Numbers<FEW>>,
+    /// Numbers of the plan, and 1 over the masses.
+    numbers: Vec<Numbers<FEW>>,
+    over: Vec<Numbers<FEW>>,
+    /// q₀ of all coordinates in turn, q₁ of all, ….
+    series: Vec<Numbers<FEW>>,
+    /// Of the order under way: n, entry by entry, f, and k M vₖ as far as it is known.
+    normals: Vec<Numbers<FEW>>,
+    forces: Vec<Numbers<FEW>>,
+    pull: Vec<Numbers<FEW>>,
+}
+
+impl<'a, const W: usize> Expansion<'a, W> {
+    /// Of what obeys these laws, in bodies of so many coordinates.
+    pub(super) fn new(method: Taylor, laws: &'a SeriesLaws, plan: &LinkedPlan, dimension: usize) -> Self {
+        let (n, entries, orders) = (plan.coordinates, plan.of_entry.len(), method.coefficients());
+        let few = Few {
+            laws,
+            pulling: laws.pulls.as_ref().map(|pulls| pulls.begin(orders)),
+            of_links: laws.kinds.iter().map(|(_, blocks)| Products::new(*blocks, orders)).collect(),
+            own: Products::new(blocks(2 * entries), orders),
+            numbers: vec![zeros(); plan.places.end],
+            over: vec![zeros(); n],
+            series: vec![zeros(); n * orders],
+            normals: vec![zeros(); entries],
+            forces: vec![zeros(); n],
+            pull: vec![zeros(); n],
+        };
+        let rows = |number: usize| vec![zeros(); number];
+        Self { method, few, changes: [rows(n), rows(n)], bends: rows(n), left_out: rows(n / dimension) }
+    }
+}
+
+impl<const W: usize> Departs<W> for Expansion<'_, W> {
+    fn depart(&mut self, stand: &mut Stand<'_, W>, _: &mut Pulls<'_, '_, W>) {
+        stand.course.set.run(Depart { expansion: self, stand });
+    }
+
+    fn compare(&mut self, stand: &mut Stand<'_, W>) {
+        if let Some(tolerance) = self.method.tolerance() {
+            stand.course.set.run(Compare { expansion: self, stand, tolerance });
+        }
+    }
+}
+
+struct Depart<'a, 'b, 'c, const W: usize> {
+    expansion: &'a mut Expansion<'b, W>,
+    stand: &'a mut Stand<'c, W>,
+}
+
+impl<const W: usize> Work for Depart<'_, '_, '_, W> {
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { expansion: Expansion { method, few, changes: [ways, changes], bends, left_out }, stand } =
+            self;
+        let plan = stand.course.plan;
+        let (Places { q, q_low, way, way_low, .. }, n) = (plan.places, plan.coordinates);
+        for first in (0..W).step_by(FEW) {
+            if !stand.pace.going[first..first + FEW].contains(&MOVES) {
+                continue;
+            }
+            few.gather(stand, first);
+            few.expand(&stand.course, first / FEW);
+            let inner = few.measure(method, stand, first);
+            for c in 0..n {
+                let [mut x, mut y, mut z] = [zeros(); 3];
+                sum_up(&few.series[c..], n, &inner, &mut x, &mut y, &mut z);
+                for (row, few) in [(&mut ways[c], &x), (&mut changes[c], &y), (&mut bends[c], &z)] {
+                    row.0[first..first + FEW].copy_from_slice(&few.0);
+                }
+            }
+            for (body, row) in left_out.iter_mut().enumerate() {
+                let mut terms = zeros();
+                let own = body * stand.dimension..(body + 1) * stand.dimension;
+                last_terms(&few.series, n, own, &inner, &mut terms);
+                row.0[first..first + FEW].copy_from_slice(&terms.0);
+            }
+        }
+        for &c in &plan.moving {
+            let changes = [(&ways[c], [q, q_low]), (&changes[c], [way, way_low])];
+            for (track, (by, [high, low])) in stand.tracks.iter().zip(changes) {
+                let (mut sum, mut rest) = (zeros(), zeros());
+                track.arrive(c, by, &mut sum, &mut rest);
+                (stand.numbers[high + c], stand.numbers[low + c]) = (sum, rest);
+            }
+        }
+    }
+}
+
+impl Few<'_> {
+    /// Takes over where these lanes are, from this one on.
+    #[inline(always)]
+    fn gather<const W: usize>(&mut self, stand: &Stand<'_, W>, first: usize) {
+        let Course { plan, over, .. } = stand.course;
+        let (Places { q, gradient, .. }, n) = (plan.places, plan.coordinates);
+        for c in 0..n {
+            few_of(&stand.tracks[0].now[c], first, &mut self.series[c]);
+            few_of(&stand.tracks[1].now[c], first, &mut self.series[n + c]);
+            self.numbers[q + c] = self.series[c];
+            match over {
+                Some(over) => few_of(&over[c], first, &mut self.over[c]),
+                None => self.over[c].0 = [Fused(plan.masses[c][1]); FEW],
+            }
+        }
+        for (entry, normal) in stand.normals.iter().enumerate() {
+            few_of(normal, first, &mut self.numbers[gradient + entry]);
+        }
+    }
+
+    /// Writes q₂, q₃, … of the few lanes of this number, from q₀ and q₁ and the normals there.
+    #[inline(always)]
+    fn expand<const W: usize>(&mut self, &Course { plan, set, .. }: &Course<'_, W>, few: usize) {
+        let Self { laws, pulling, of_links, own, numbers, over, series, normals, forces, pull } = self;
+        let Places { g, change, x, .. } = plan.places;
+        let (n, entries) = (plan.coordinates, plan.of_entry.len());
+        let last = series.len() / n - 1;
+        plan.lift(Some(over), numbers);
+        plan.factor.carry_out(numbers);
+        for k in 0..last {
+            let (now, number) = (k * n..(k + 1) * n, Fused(k as f64));
+            for ((links, (runs, _)), products) in laws.links(few).iter().zip(&laws.kinds).zip(&mut *of_links)
+            {
+                links.gradients(set, runs, k, &series[now.clone()], normals, products);
+            }
+            if k == 0 {
+                let mut own = own.first().take(blocks(2 * entries));
+                for (entry, &[c, _]) in plan.of_entry.iter().enumerate() {
+                    own.note(entry, zeros(), normals[entry]);
+                    own.note(entries + entry, normals[entry], series[n + c]);
+                }
+            } else {
+                let mut own = own.next_within(k).take(blocks(2 * entries));
+                pull.copy_from_slice(forces);
+                for (entry, &[c, _]) in plan.of_entry.iter().enumerate() {
+                    let known = own.sum(entry);
+                    add_times(Fused(-1.0), &known, &mut pull[c]); // of −λ
+                }
+                for c in 0..n {
+                    let mut push = pull[c];
+                    multiply(&mut push, &over[c]);
+                    numbers[change + c] = push;
+                }
+                plan.rates.carry_out(numbers);
+                // Less the rate that keeps velocities along the constraints.
+                for (entry, &[c, row]) in plan.of_entry.iter().enumerate() {
+                    let mut turn = own.sum(entries + entry);
+                    add_product(&mut turn, &normals[entry], &series[n + c]);
+                    add_times(number, &turn, &mut numbers[g + row]);
+                }
+                plan.solve(numbers);
+                plan.push.carry_out(numbers);
+                let [share, next] = [1.0 / k as f64, 1.0 / (k + 1) as f64].map(Fused);
+                for c in 0..n {
+                    let mut velocity = numbers[change + c];
+                    scale(share, &mut velocity);
+                    numbers[change + c] = velocity;
+                    scale(next, &mut velocity);
+                    series[(k + 1) * n + c] = velocity;
+                }
+                for (entry, &[c, row]) in plan.of_entry.iter().enumerate() {
+                    own.note(entry, numbers[x + row], normals[entry]);
+                    own.note(entries + entry, normals[entry], numbers[change + c]);
+                }
+            }
+            if let Some(pulling) = pulling
+                && k + 1 < last
+            {
+                pulling.pull(set, few, k, &series[now], forces);
+            }
+        }
+    }
+
+    /// Says how long inner steps are and whether they are taken.
+    #[inline(always)]
+    fn measure<const W: usize>(
+        &self,
+        method: &Taylor,
+        stand: &mut Stand<'_, W>,
+        first: usize,
+    ) -> Numbers<FEW> {
+        let (pace, mut few, [mut left, mut next]) = (&mut stand.pace, zeros(), [zeros(); 2]);
+        few_of(&pace.left, first, &mut left);
+        let mut taken = [true; FEW];
+        match method.tolerance() {
+            None => (few, next) = (left, left),
+            Some(tolerance) => {
+                let longest = self.longest(method, tolerance);
+                let shortest = Fused(SMALLEST_PART * method.step_size().abs());
+                for l in 0..FEW {
+                    let (longest, left) = (longest.0[l], left.0[l]);
+                    taken[l] = shortest.0 <= longest.0;
+                    few.0[l] = Real::select(longest.0 < left.abs().0, longest * left.sign(), left);
+                    next.0[l] = Real::select(taken[l], left, Fused(0.0));
+                }
+            }
+        }
+        let own = first..first + FEW;
+        pace.inner.0[own.clone()].copy_from_slice(&few.0);
+        pace.next.0[own.clone()].copy_from_slice(&next.0);
+        pace.taken[own].copy_from_slice(&taken);
+        few
+    }
+
+    /// The longest inner steps whose last two terms keep the tolerance; 0 where a term is no number.
+    #[inline(always)]
+    fn longest(&self, method: &Taylor, tolerance: f64) -> Numbers<FEW> {
+        let n = self.forces.len();
+        let mut longest: Numbers<FEW> = zeros();
+        longest.0 = [Fused(f64::INFINITY); FEW];
+        for order in [method.order() as usize - 1, method.order() as usize] {
+            let (mut most, mut none): (Numbers<FEW>, Numbers<FEW>) = (zeros(), zeros());
+            let scale = Fused((order + 1) as f64 * method.step_size().abs());
+            for c in 0..n {
+                let [q, v] = [order, order + 1].map(|order| &self.series[order * n + c]);
+                for l in 0..FEW {
+                    most.0[l] = most.0[l].max(q.0[l].abs()).max(scale * v.0[l].abs());
+                    none.0[l] = Fused(0.0).multiply_add(q.0[l] + v.0[l], none.0[l]);
+                }
+            }
+            let inverse = Fused(1.0 / order as f64);
+            for l in 0..FEW {
+                let fits = (Fused(tolerance) / most.0[l]).powf(inverse);
+                let fits = Real::select(none.0[l].0 == 0.0, fits, Fused(0.0));
+                longest.0[l] = Real::select(fits.0 < longest.0[l].0, fits, longest.0[l]);
+            }
+        }
+        longest
+    }
+}
+
+/// A few lanes of these, from this one on.
+#[inline(always)]
+fn few_of<const W: usize>(from: &Numbers<W>, first: usize, to: &mut Numbers<FEW>) {
+    to.0.copy_from_slice(&from.0[first..first + FEW]);
+}
+
+/// Adds this many times these.
+#[inline(always)]
+fn add_times(times: Number, by: &Numbers<FEW>, to: &mut Numbers<FEW>) {
+    for l in 0..FEW {
+        to.0[l] = times.multiply_add(by.0[l], to.0[l]);
+    }
+}
+
+/// Multiplies these by those.
+#[inline(always)]
+fn multiply(to: &mut Numbers<FEW>, by: &Numbers<FEW>) {
+    for l in 0..FEW {
+        to.0[l] = to.0[l] * by.0[l];
+    }
+}
+
+/// Multiplies these by a number.
+#[inline(always)]
+fn scale(times: Number, to: &mut Numbers<FEW>) {
+    for l in 0..FEW {
+        to.0[l] = times * to.0[l];
+    }
+}
+
+/// Sums up the series of a coordinate by Horner's rule: what its place and its velocity change by in these times, and
+/// the acceleration then.
+#[inline(always)]
+fn sum_up(
+    series: &[Numbers<FEW>],
+    n: usize,
+    time: &Numbers<FEW>,
+    way: &mut Numbers<FEW>,
+    change: &mut Numbers<FEW>,
+    bend: &mut Numbers<FEW>,
+) {
+    for k in (1..series.len().div_ceil(n)).rev() {
+        let (coefficient, [number, both]) = (&series[k * n], [k, k * (k - 1)].map(|k| Fused(k as f64)));
+        for l in 0..FEW {
+            let (a, time) = (coefficient.0[l], time.0[l]);
+            way.0[l] = time * (a + way.0[l]);
+            if k > 1 {
+                change.0[l] = time * number.multiply_add(a, change.0[l]);
+                bend.0[l] = time.multiply_add(bend.0[l], both * a);
+            }
+        }
+    }
+}
+
+/// The last two terms of the accelerations of a body after these times.
+#[inline(always)]
+fn last_terms(
+    series: &[Numbers<FEW>],
+    n: usize,
+    own: Range<usize>,
+    time: &Numbers<FEW>,
+    to: &mut Numbers<FEW>,
+) {
+    let last = series.len() / n - 1;
+    let [before, number] = [(last - 1) * (last - 2), last * (last - 1)].map(|k| Fused(k as f64));
+    for c in own {
+        let [a, b] = [last - 1, last].map(|k| &series[k * n + c]);
+        for l in 0..FEW {
+            let both = before * a.0[l].abs() + number * (b.0[l] * time.0[l]).abs();
+            to.0[l] = to.0[l].max(both);
+        }
+    }
+    for _ in 0..last - 3 {
+        for l in 0..FEW {
+            to.0[l] = to.0[l] * time.0[l].abs();
+        }
+    }
+}
+
+/// See [`Departs::compare`]: inner steps may end in another branch of a potential.
+struct Compare<'a, 'b, 'c, const W: usize> {
+    expansion: &'a Expansion<'b, W>,
+    stand: &'a mut Stand<'c, W>,
+    tolerance: f64,
+}
+
+impl<const W: usize> Work for Compare<'_, '_, '_, W> {
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { expansion: Expansion { bends, left_out, .. }, stand, tolerance } = self;
+        let Stand { course: Course { plan, .. }, pace, numbers, tracks: [places, _], dimension, .. } = stand;
+        let (Places { q, change, .. }, h) = (plan.places, pace.h());
+        let (tolerance, roundings) = (Fused(tolerance), Fused(ROUNDINGS_OF_SERIES * f64::EPSILON));
+        for own in plan.moving.chunk_by(|a, b| a / *dimension == b / *dimension) {
+            let [mut off, mut size, mut most]: [Numbers<W>; 3] = [zeros(); 3];
+            for &c in own {
+                let to = [&places.now[c], &numbers[q + c], &numbers[change + c], &bends[c]];
+                widest(to, &mut off, &mut size, &mut most);
+            }
+            let left_out = &left_out[own[0] / *dimension];
+            for l in 0..W {
+                let inner = pace.inner.0[l];
+                let off = off.0[l] - left_out.0[l];
+                let size = size.0[l] + most.0[l] * inner * inner;
+                // In the time of both steps; rounding is that of places in the square of the inner one.
+                let within = tolerance + roundings * size * (h / inner).abs();
+                pace.doubt(l, (off * (inner * h).abs()).0 <= within.0);
+            }
+        }
+    }
+}
+
+/// By how much accelerations are off those of the series at most, the largest place, and the largest acceleration.
+#[inline(always)]
+fn widest<const W: usize>(
+    [from, to, pull, bend]: [&Numbers<W>; 4],
+    off: &mut Numbers<W>,
+    size: &mut Numbers<W>,
+    most: &mut Numbers<W>,
+) {
+    for l in 0..W {
+        let apart = (pull.0[l] - bend.0[l]).abs();
+        let last = off.0[l];
+        off.0[l] = Real::select((apart.0 <= last.0) | last.0.is_nan(), last, apart);
+        size.0[l] = size.0[l].max(from.0[l].abs()).max(to.0[l].abs());
+        most.0[l] = most.0[l].max(pull.0[l].abs());
+    }
+}
