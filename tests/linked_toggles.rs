@@ -127,18 +127,24 @@ fn so_is_one_of_32() {
 /// And in lanes.
 #[test]
 fn none_of_an_ensemble_goes_through() {
-    let starts = (0..320).map(|i| pressed(1e-6 + 1e-3 * f64::from(i) / 320.0));
-    for steps in [23, 45] {
-        let method = Dop853::new(2.0 * PI / steps as f64);
-        let mut ensemble = press().ensemble(starts.clone(), method).unwrap();
+    /// How many are refused.
+    fn refused(method: impl Method, steps: u64) -> usize {
+        let starts = (0..320).map(|i| pressed(1e-6 + 1e-3 * f64::from(i) / 320.0));
+        let mut ensemble = press().ensemble(starts, method.clone()).unwrap();
         assert_eq!(ensemble.plan().in_lanes, if InstructionSet::widest().fuses() { 320 } else { 0 });
         ensemble.run(steps);
         for (i, state) in ensemble.states().enumerate() {
-            let y = state.positions().nth(1).unwrap().y;
-            assert!(y > 0.0, "{steps} steps: trajectory {i} went through to {y}"); // also before a step that failed
+            let y = state.positions().nth(1).unwrap().y; // also before a step that failed
+            assert!(y > 0.0, "{} steps of {}: trajectory {i} went through to {y}", steps, method.name());
         }
-        let failed = ensemble.failures().count();
-        println!("{steps} steps: {failed} of 320 refused");
-        assert!(failed <= if steps == 23 { 245 } else { 62 }, "{failed}");
+        let refused = ensemble.failures().count();
+        println!("{steps} steps of {}: {refused} of 320 refused", method.name());
+        refused
+    }
+    for steps in [23, 45] {
+        let h = 2.0 * PI / steps as f64;
+        assert!(refused(Dop853::new(h), steps) <= if steps == 23 { 245 } else { 62 });
+        refused(Taylor::new(10, h), steps);
+        refused(Taylor::adaptive(12, h, 1e-6), steps);
     }
 }

@@ -230,7 +230,8 @@ fn as_a_simulation_in_every_cell() {
     let mut linked = Column { what: "linked", scene: scene(), start: pendulum, wrong };
     linked.by_those_of_places(true);
     linked.by_series(true);
-    linked.by(Lobatto::<3>::new(STEP), false);
+    linked.by(Lobatto::<3>::new(STEP), true);
+    linked.by(Lobatto::<6>::new(STEP), true);
     linked.by(Bdf2::new(STEP), false);
     let wrong = linked.wrong;
     let mut warm = Column { what: "warm linked", scene: scene().with(heat), start: pendulum, wrong };

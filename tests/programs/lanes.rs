@@ -20,6 +20,8 @@ mod lanes_flows_rigid;
 mod lanes_heat;
 #[path = "../lanes_linked.rs"]
 mod lanes_linked;
+#[path = "../lanes_lobatto_linked.rs"]
+mod lanes_lobatto_linked;
 #[path = "../lanes_neighbours.rs"]
 mod lanes_neighbours;
 #[path = "../lanes_phase.rs"]

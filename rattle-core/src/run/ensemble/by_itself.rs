@@ -1,11 +1,14 @@
 //! Bodies of a lane that goes by itself, as a simulation; and its steps.
 
 use crate::motion::bodies::Body;
+use crate::motion::course::check;
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, View};
 use crate::motion::parts::BodiesOf;
 use crate::motion::system::System;
-use crate::run::ensemble::engine::Moved;
+use crate::run::ensemble::engine::{Moved, OwnSteps};
+use crate::run::ensemble::splitting_lanes::compare_lane;
+use crate::run::trouble::Trouble;
 
 /// These bodies of a system in this room, which is made where there is none.
 pub(super) fn placed<'a, Y: System<f64, D>, const D: usize>(
@@ -37,22 +40,47 @@ pub(super) fn prepared<'a, S: Method, Y: System<f64, D>, const D: usize>(
     bodies
 }
 
-/// Where bodies are after so many steps, each in so many equal parts, of a method that remembers nothing.
+/// Takes bodies a step on, and looks at it as a simulation does.
 ///
 /// # Errors
 /// Those of the method.
+pub(super) fn step<S: Method, Y: System<f64, D>, const D: usize>(
+    method: &S,
+    (system, view): (&Y, View<'_, S, f64, Y, D>),
+    bodies: &mut BodiesOf<Y, f64, D>,
+) -> Result<(), Failure> {
+    if const { S::CHECKS } {
+        return method.step::<f64, Y, _, D>(view, bodies, &mut [], &mut ());
+    }
+    let before = bodies.saved();
+    method.step::<f64, Y, _, D>(view, bodies, &mut [], &mut ())?;
+    check::<S, f64, Y, D>(method.step_size(), system, &before, bodies)
+}
+
+/// Where bodies are after these steps of a method that remembers nothing.
+///
+/// # Errors
+/// Those of the method, or that a step cannot be taken back.
 pub(super) fn steps<S: Method, Y: System<f64, D>, const D: usize>(
     method: &S,
     (system, view): (&Y, View<'_, S, f64, Y, D>),
     bodies: &[Body<f64, D>],
-    steps: u64,
-    parts: u32,
-) -> Result<Moved<D>, Failure> {
+    OwnSteps { number, parts, checked, .. }: OwnSteps,
+) -> Result<Moved<D>, Trouble> {
     let part = method.with_step(method.step_size() / f64::from(parts));
     let mut bodies = system.bodies(bodies, 0.0);
     part.prepare::<f64, Y, D>(view, &mut bodies);
-    for _ in 0..steps * u64::from(parts) {
-        part.step::<f64, Y, _, D>(view, &mut bodies, &mut [], &mut ())?;
+    for _ in 0..number {
+        let start = checked.map(|tolerance| (bodies.saved(), tolerance));
+        (0..parts).try_for_each(|_| step(&part, (system, view), &mut bodies))?;
+        if let Some((start, tolerance)) = start {
+            let (end, back) = (bodies.saved(), part.with_step(-part.step_size()));
+            system.put_back(&mut bodies, &end); // the way back begins anew
+            let mut step = |_| back.step::<f64, Y, _, D>(view, &mut bodies, &mut [], &mut ());
+            let led = (0..parts).try_for_each(&mut step).is_ok();
+            compare_lane(&start, &bodies, led, tolerance)?;
+            system.put_back(&mut bodies, &end);
+        }
     }
     Ok((bodies.all(), 0.0))
 }

@@ -106,14 +106,16 @@ fn is_long(h: f64, stages: &[Stage]) -> bool {
 
 /// Whether constraints are of a kind that the method moves in rows: a splitting, one that draws momenta anew, or, of
 /// linked and rigid bodies, [`Dop853`](crate::methods::dop853::Dop853), and of linked ones
-/// [`Taylor`](crate::methods::taylor::Taylor). Asked where a constant is wanted: what is not asked for is then not
-/// compiled.
+/// [`Taylor`](crate::methods::taylor::Taylor) and collocation. Asked where a constant is wanted: what is not asked for
+/// is then not compiled.
 pub(super) const fn goes_as<C: Hold<D>, S: Method, const D: usize>(kind: Kind) -> bool {
     let projects = matches!(
         (kind, S::PROJECTS),
         (Kind::Network | Kind::Rigid, Projecting::Dop853) | (Kind::Network, Projecting::Taylor)
     );
-    C::KIND as u8 == kind as u8 && (!matches!(S::SPLITTING, Splitting::Not) || S::RENEWS || projects)
+    let collocates = matches!(kind, Kind::Network) && S::COLLOCATES > 0;
+    C::KIND as u8 == kind as u8
+        && (!matches!(S::SPLITTING, Splitting::Not) || S::RENEWS || projects || collocates)
 }
 
 /// Shown the surface, puts trajectories of one scene in lanes of the kind that a method wants, if it wants one.

@@ -1,7 +1,7 @@
 //! Rows of linked bodies and of rigid ones: who moves them, and what they obey.
 
 use crate::effect::list::{Effects, Forces};
-use crate::methods::dop853::Dop853;
+use crate::methods::lobatto::Lobatto;
 use crate::methods::taylor::Taylor;
 use crate::motion::method::{Method, Projecting};
 use crate::motion::state::State;
@@ -13,7 +13,7 @@ use crate::run::ensemble::grouping::{Groups, HowInLanes, in_rows};
 use crate::run::ensemble::linked_going::{Wide, Width};
 use crate::run::ensemble::linked_lanes::LinkedLanes;
 use crate::run::ensemble::linked_law::LinkedLaws;
-use crate::run::ensemble::linked_projected_lanes::{LinkedProjected, TaylorOfLinks};
+use crate::run::ensemble::linked_projected_lanes::{LinkedProjected, ProjectsLinks, TaylorOfLinks};
 use crate::run::ensemble::linked_series_law::SeriesLaws;
 use crate::run::ensemble::precision::Precision;
 use crate::run::ensemble::rigid_lanes::RigidLanes;
@@ -83,7 +83,7 @@ impl MovesLinks for Splits {
 /// Stages of more leave the nearer cache: from chains of some 30 links on.
 const OF_STAGES_IN_WIDE_ROWS: usize = 64;
 
-impl MovesLinks for (Dop853, Fusing) {
+impl<M: ProjectsLinks> MovesLinks for (M, Fusing) {
     const IN_WIDE_ROWS: usize = OF_STAGES_IN_WIDE_ROWS;
 
     fn all<E: Effects<D>, const D: usize, const W: usize>(
@@ -96,7 +96,7 @@ impl MovesLinks for (Dop853, Fusing) {
         Width: Wide<W>,
     {
         let laws = LinkedLaws::<_, D, W>::by_all(network, effects, bodies, true)?;
-        Some(Box::new(LinkedProjected::new(laws, self.0, self.1)))
+        Some(Box::new(LinkedProjected::new(laws, self.0.clone(), self.1)))
     }
 
     fn each<E: Effects<D> + 'static, const D: usize>(
@@ -106,7 +106,7 @@ impl MovesLinks for (Dop853, Fusing) {
         bodies: usize,
     ) -> Option<Box<dyn Engine<D>>> {
         let laws = LinkedLaws::by_each(networks, effects, bodies, true)?;
-        Some(Box::new(LinkedProjected::new(laws, self.0, self.1)))
+        Some(Box::new(LinkedProjected::new(laws, self.0.clone(), self.1)))
     }
 }
 
@@ -140,39 +140,90 @@ impl MovesLinks for (Taylor, Fusing) {
     }
 }
 
-/// Trajectories of linked bodies, no more than there are lanes, in rows, if the method is a splitting, [`Dop853`] or
-/// [`Taylor`].
+/// Trajectories of linked bodies that are to go in rows.
+trait OfLinks<const D: usize> {
+    /// Whether there are flows of momenta.
+    const FLOWS: bool;
+    /// The rows, moved by this method.
+    fn by<M: MovesLinks>(&self, method: &M) -> Groups<D>;
+}
+
+/// Those of one scene.
+struct InOneNetwork<'a, E, const D: usize> {
+    network: &'a Network<D>,
+    effects: &'a E,
+    starts: &'a [State<D>],
+    first: usize,
+}
+
+impl<E: Effects<D>, const D: usize> OfLinks<D> for InOneNetwork<'_, E, D> {
+    const FLOWS: bool = E::Forces::<f64>::FLOWS > 0;
+
+    fn by<M: MovesLinks>(&self, method: &M) -> Groups<D> {
+        let Self { network, effects, starts, first } = *self;
+        let bodies = starts.first()?.len();
+        // Three rows of a few take less time than a full one.
+        let (row, width) = if starts.len() <= 3 * FEW || bodies * D > M::IN_WIDE_ROWS {
+            (method.all::<_, D, FEW>(network, effects, bodies)?, FEW)
+        } else {
+            (method.all::<_, D, ROW>(network, effects, bodies)?, ROW)
+        };
+        in_rows(width, starts, &|from, starts| Some(side_by_side(row.boxed(), first + from, starts)))
+    }
+}
+
+/// Those of scenes of one type, each of a trajectory of its own.
+struct InNetworks<'a, E, const D: usize> {
+    networks: &'a [&'a Network<D>],
+    effects: &'a [&'a E],
+    starts: &'a [State<D>],
+    first: usize,
+}
+
+impl<E: Effects<D> + 'static, const D: usize> OfLinks<D> for InNetworks<'_, E, D> {
+    const FLOWS: bool = E::Forces::<f64>::FLOWS > 0;
+
+    fn by<M: MovesLinks>(&self, method: &M) -> Groups<D> {
+        let Self { networks, effects, starts, first } = *self;
+        let bodies = starts.first()?.len();
+        if starts.iter().any(|start| start.len() != bodies) {
+            return None;
+        }
+        in_rows(ROW, starts, &|from, starts| {
+            let own = from..from + starts.len();
+            let row = method.each(&networks[own.clone()], &effects[own], bodies)?;
+            Some(side_by_side(row, first + from, starts))
+        })
+    }
+}
+
+/// The rows, moved as this method moves them. What is not asked for is not compiled.
+fn moved<P: Precision, S: Method, X: OfLinks<D>, const D: usize>(rows: &X, lanes: &HowInLanes) -> Groups<D> {
+    macro_rules! by_stages {
+        ($($stages:literal)*) => {$(
+            if const { S::COLLOCATES == $stages } {
+                return rows.by(&(Lobatto::<$stages>::new(lanes.h), lanes.set));
+            }
+        )*};
+    }
+    by_stages!(2 3 4 5 6 7 8 9);
+    if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 } {
+        return rows.by(&(lanes.dop853(), lanes.set));
+    }
+    if const { S::PROJECTS as u8 == Projecting::Taylor as u8 } {
+        return rows.by(&(lanes.taylor(), lanes.set));
+    }
+    rows.by(&lanes.splits::<P, S>(X::FLOWS))
+}
+
+/// Trajectories of linked bodies, no more than there are lanes, in rows.
 pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     network: &Network<D>,
     effects: &E,
     starts: &[State<D>],
     lanes: &HowInLanes,
 ) -> Groups<D> {
-    if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 } {
-        return linked_by(&(lanes.dop853(), lanes.set), network, effects, starts, lanes.first);
-    }
-    if const { S::PROJECTS as u8 == Projecting::Taylor as u8 } {
-        return linked_by(&(lanes.taylor(), lanes.set), network, effects, starts, lanes.first);
-    }
-    let flows = const { E::Forces::<f64>::FLOWS > 0 };
-    linked_by(&lanes.splits::<P, S>(flows), network, effects, starts, lanes.first)
-}
-
-fn linked_by<M: MovesLinks, E: Effects<D>, const D: usize>(
-    method: &M,
-    network: &Network<D>,
-    effects: &E,
-    starts: &[State<D>],
-    first: usize,
-) -> Groups<D> {
-    let bodies = starts.first()?.len();
-    // Three rows of a few take less time than a full one.
-    let (row, width) = if starts.len() <= 3 * FEW || bodies * D > M::IN_WIDE_ROWS {
-        (method.all::<_, D, FEW>(network, effects, bodies)?, FEW)
-    } else {
-        (method.all::<_, D, ROW>(network, effects, bodies)?, ROW)
-    };
-    in_rows(width, starts, &|from, starts| Some(side_by_side(row.boxed(), first + from, starts)))
+    moved::<P, S, _, D>(&InOneNetwork { network, effects, starts, first: lanes.first }, lanes)
 }
 
 /// The same, each in a network and under effects of its own.
@@ -182,32 +233,7 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
     starts: &[State<D>],
     lanes: &HowInLanes,
 ) -> Groups<D> {
-    if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 } {
-        return linked_apart_by(&(lanes.dop853(), lanes.set), networks, effects, starts, lanes.first);
-    }
-    if const { S::PROJECTS as u8 == Projecting::Taylor as u8 } {
-        return linked_apart_by(&(lanes.taylor(), lanes.set), networks, effects, starts, lanes.first);
-    }
-    let flows = const { E::Forces::<f64>::FLOWS > 0 };
-    linked_apart_by(&lanes.splits::<P, S>(flows), networks, effects, starts, lanes.first)
-}
-
-fn linked_apart_by<M: MovesLinks, E: Effects<D> + 'static, const D: usize>(
-    method: &M,
-    networks: &[&Network<D>],
-    effects: &[&E],
-    starts: &[State<D>],
-    first: usize,
-) -> Groups<D> {
-    let bodies = starts.first()?.len();
-    if starts.iter().any(|start| start.len() != bodies) {
-        return None;
-    }
-    in_rows(ROW, starts, &|from, starts| {
-        let own = from..from + starts.len();
-        let row = method.each(&networks[own.clone()], &effects[own], bodies)?;
-        Some(side_by_side(row, first + from, starts))
-    })
+    moved::<P, S, _, D>(&InNetworks { networks, effects, starts, first: lanes.first }, lanes)
 }
 
 /// Trajectories of rigid bodies, no more than there are lanes, in rows, if the method is a splitting or [`Dop853`]; in

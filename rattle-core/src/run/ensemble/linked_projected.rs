@@ -21,7 +21,7 @@ use crate::number::real::Real;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::linked_plan::{Places, add_product};
 use crate::run::ensemble::linked_projected_row::{
-    Kept, Landed, Sums, bent, between, furthest, may_be, move_by, shift, terms,
+    Kept, Landed, Sums, bent, between, forget, furthest, may_be, move_by, shift, terms,
 };
 use crate::run::ensemble::linked_row::{Course, PIVOT};
 use crate::run::ensemble::linked_stand::{Departs, Pulls, Stand};
@@ -61,6 +61,7 @@ impl<const W: usize> Work for ProjectedSteps<'_, '_, W> {
                 .iter()
                 .zip(state(&mut desk.stand.tracks))
                 .for_each(|(from, to)| to.copy_from_slice(from));
+            desk.stand.past.copy_from_slice(&kept.past);
             desk.stand.be_there(&mut pulling);
         }
         for number in from..from + steps {
@@ -75,6 +76,7 @@ impl<const W: usize> Work for ProjectedSteps<'_, '_, W> {
                 .iter_mut()
                 .zip(state(&mut desk.stand.tracks))
                 .for_each(|(to, from)| to.copy_from_slice(from));
+            kept.past.copy_from_slice(&desk.stand.past);
             desk.look_around(number + 1, kept)?;
         }
         Ok(())
@@ -138,6 +140,7 @@ impl<'a, const W: usize> Desk<'a, W> {
     /// Takes over where a lane is that went by itself.
     fn take_over(&mut self, lane: usize, Landed { state, strays, path }: &Landed) {
         put(&mut self.stand.tracks, lane, state);
+        forget(&mut self.stand.past, lane);
         let [strays, path] = [*strays, *path].map(Fused);
         (self.strays.0[lane], self.radius.0[lane]) = (strays, bent(path, strays));
     }
@@ -164,6 +167,7 @@ impl<'a, const W: usize> Desk<'a, W> {
                     break;
                 }
             }
+            self.method.kick(&mut self.stand, pulling);
             self.stand.course.project(&mut self.stand.numbers);
             self.stand.respond(false, pulling);
             self.look();
@@ -334,6 +338,7 @@ impl<'a, const W: usize> Desk<'a, W> {
         for (entry, normal) in normals.iter_mut().enumerate() {
             choose(&moves, &numbers[gradient + entry], normal);
         }
+        self.stand.take_multipliers(&moves);
         any
     }
 

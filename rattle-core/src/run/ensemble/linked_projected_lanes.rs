@@ -5,25 +5,28 @@ use crate::effect::list::Forces;
 use crate::error::Error;
 use crate::methods::dop853::Dop853;
 use crate::methods::dop853_table::STAGES;
+use crate::methods::lobatto::Lobatto;
 use crate::methods::taylor::Taylor;
 use crate::motion::bodies::{Body, Many};
 use crate::motion::method::{Method, View};
 use crate::motion::need::Need;
 use crate::motion::parts::Parts;
 use crate::motion::record::{Hallmark, Reading, Record};
+use crate::motion::table::{Table, Tabulated};
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
-use crate::run::ensemble::by_itself::{prepared, steps};
+use crate::run::ensemble::by_itself::{self, prepared};
 use crate::run::ensemble::dop853_row::Stages;
 use crate::run::ensemble::engine::{Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::lane_record::{of_projected, read_all, write_all};
+use crate::run::ensemble::linked_collocation::{self as collocation, Coefficients, Collocation};
 use crate::run::ensemble::linked_going::{Wide, Width};
 use crate::run::ensemble::linked_law::{Law, LinkedLaws};
 use crate::run::ensemble::linked_plan::LinkedPlan;
 use crate::run::ensemble::linked_projected::{Desk, ProjectedSteps};
-use crate::run::ensemble::linked_projected_row::{Kept, Landed};
+use crate::run::ensemble::linked_projected_row::{Kept, Landed, forget};
 use crate::run::ensemble::linked_row::{Course, LinkedRow};
 use crate::run::ensemble::linked_series::Expansion;
 use crate::run::ensemble::linked_series_law::SeriesLaws;
@@ -48,6 +51,10 @@ pub(super) trait ProjectsLinks: Clone + Send + Sync + 'static {
     fn method(&self) -> &Self::Method;
     /// How often an inner step evaluates forces.
     fn evaluations(&self) -> u32;
+    /// How many numbers of a lane it remembers from step to step.
+    fn remembers(&self, _: &LinkedPlan) -> usize {
+        0
+    }
     /// What finds where inner steps lead, of bodies of so many coordinates.
     fn departs<'a, const W: usize>(&'a self, plan: &LinkedPlan, dimension: usize)
     -> Box<dyn Departs<W> + 'a>;
@@ -67,6 +74,31 @@ impl ProjectsLinks for Dop853 {
     }
     fn departs<'a, const W: usize>(&'a self, plan: &LinkedPlan, _: usize) -> Box<dyn Departs<W> + 'a> {
         Box::new(Stages::new([plan.coordinates; 2]))
+    }
+}
+
+impl<const S: usize> ProjectsLinks for Lobatto<S>
+where
+    Table<S>: Tabulated,
+{
+    type Method = Self;
+
+    fn method(&self) -> &Self {
+        self
+    }
+    fn evaluations(&self) -> u32 {
+        (S as u32 - 1) * collocation::EVALUATIONS
+    }
+    fn remembers(&self, plan: &LinkedPlan) -> usize {
+        collocation::remembered(S, plan)
+    }
+    fn departs<'a, const W: usize>(
+        &'a self,
+        plan: &LinkedPlan,
+        dimension: usize,
+    ) -> Box<dyn Departs<W> + 'a> {
+        let with = Coefficients::of(&Table::<S>::TABLE, self.step_size());
+        Box::new(Collocation::new(with, plan, dimension))
     }
 }
 
@@ -125,7 +157,7 @@ impl<M: Clone, F, const D: usize, const W: usize> Clone for LinkedProjected<M, F
 impl<M: ProjectsLinks, F: Forces<f64, D>, const D: usize, const W: usize> LinkedProjected<M, F, D, W> {
     /// Lanes, none of them set, of what is obeyed there.
     pub(super) fn new((plan, laws): (LinkedPlan, LinkedLaws<F, D, W>), method: M, set: Fusing) -> Self {
-        let kept = Kept::new(plan.coordinates);
+        let kept = Kept::new(plan.coordinates, method.remembers(&plan));
         Self { plan: Arc::new(plan), laws: Arc::new(laws), kept, method, set }
     }
 
@@ -166,7 +198,8 @@ impl<M: ProjectsLinks, F: Forces<f64, D>, const D: usize, const W: usize> Linked
         let (method, view) = (self.method.method(), Self::view(system).ok_or_else(|| stuck(None))?);
         let bodies = prepared(method, (&**system, view), &start, room);
         *bodies.kept.asked() = Asked { steps: number, reach: kept.asked.0[lane].0, near: false };
-        method.step(view, bodies, &mut [], &mut ()).map_err(|failure| stuck(Some(failure)))?;
+        let moved = by_itself::step(method, (&**system, view), bodies);
+        moved.map_err(|failure| stuck(Some(failure)))?;
         if bodies.kept.asked().near {
             return Err(stuck(None));
         }
@@ -229,7 +262,7 @@ where
         let mut apart = |lane: usize, number: u64, kept: &Kept<W>| {
             self.step_alone(lane, number, kept, &mut rooms[self.laws.number_of_law(lane)])
         };
-        let stand = Stand::new(course, self.method.method(), D);
+        let stand = Stand::new(course, self.method.method(), D, kept.past.len());
         let mut desk = Desk::new(stand, self.method.departs(plan, D));
         while let Some(Leg { from, steps, written, .. }) = tour.next() {
             Width::project(ProjectedSteps {
@@ -252,6 +285,7 @@ where
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
         let (law, kept) = (self.laws.law(lane), &mut self.kept);
         put(&law.masses, kept, lane, bodies);
+        forget(&mut kept.past, lane);
         (kept.asked.0[lane], kept.astray.0[lane]) = (Fused(0.0), Fused(0.0));
         let finite = bodies.iter().all(|body| body.q.iter().chain(&body.p).all(|x| x.is_finite()));
         finite && law.is_plain(&self.plan, (&law.system.bodies(bodies, 0.0), bodies), self.step_size())
@@ -282,14 +316,14 @@ where
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        OwnSteps { number, parts, .. }: OwnSteps,
+        steps: OwnSteps,
         _: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
         let law = self.laws.law(lane);
         let ready = law.ready(bodies, self.step_size());
         let system = ready.as_ref().unwrap_or(&law.system);
         let Some(view) = Self::view(system) else { return Ok((bodies.to_vec(), 0.0)) }; // never
-        Ok(self::steps(self.method.method(), (system, view), bodies, number, parts)?)
+        by_itself::steps(self.method.method(), (system, view), bodies, steps)
     }
 
     fn kick_alone(&self, steps: u32) {

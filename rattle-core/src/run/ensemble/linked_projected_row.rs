@@ -19,20 +19,31 @@ use std::array::from_fn;
 pub(super) struct Kept<const W: usize> {
     /// q, v, and what rounding took from them, coordinate by coordinate.
     pub(super) state: State<W>,
+    /// What the method remembers.
+    pub(super) past: Vec<Numbers<W>>,
     pub(super) asked: Numbers<W>,
     pub(super) astray: Numbers<W>,
 }
 
 impl<const W: usize> Kept<W> {
-    pub(super) fn new(coordinates: usize) -> Self {
+    /// Of bodies of so many coordinates, and a method that remembers so many numbers.
+    pub(super) fn new(coordinates: usize, remembered: usize) -> Self {
         let [asked, astray] = [zeros(); 2];
-        Self { state: from_fn(|_| vec![zeros(); coordinates]), asked, astray }
+        let state = from_fn(|_| vec![zeros(); coordinates]);
+        Self { state, past: vec![zeros(); remembered], asked, astray }
     }
 
     /// Each number, of all lanes.
     pub(super) fn all(&mut self) -> impl Iterator<Item = &mut Numbers<W>> {
-        let Self { state, asked, astray } = self;
-        state.iter_mut().flatten().chain([asked, astray])
+        let Self { state, past, asked, astray } = self;
+        state.iter_mut().flatten().chain(past).chain([asked, astray])
+    }
+}
+
+/// Has the method remember nothing of a lane.
+pub(super) fn forget<const W: usize>(past: &mut [Numbers<W>], lane: usize) {
+    if let Some(first) = past.first_mut() {
+        first.0[lane] = Fused(0.0);
     }
 }
 

@@ -8,8 +8,8 @@ use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::linked_plan::Places;
 use crate::run::ensemble::linked_row::{Course, LinkedRow};
 use crate::run::ensemble::pace::Pace;
-use crate::run::ensemble::track::Track;
-use crate::systems::network::in_lanes::{Numbers, zeros};
+use crate::run::ensemble::track::{Track, choose};
+use crate::systems::network::in_lanes::{Numbers, Which, zeros};
 use std::array::from_fn;
 
 /// Effects that pull bodies, if any do.
@@ -20,6 +20,9 @@ pub(super) trait Departs<const W: usize> {
     /// Writes where inner steps of all lanes lead regardless of the constraints, with what rounding takes from that, to
     /// `q` and `way` of the [numbers](Stand::numbers). Says how long these steps are and whether they are taken.
     fn depart(&mut self, stand: &mut Stand<'_, W>, pulling: &mut Pulls<'_, '_, W>);
+
+    /// Kicks velocities where inner steps led, before these are projected there.
+    fn kick(&mut self, _: &mut Stand<'_, W>, _: &mut Pulls<'_, '_, W>) {}
 
     /// Has lanes go by themselves in which the accelerations at the end are not those that the method knows; the
     /// numbers are those of the end.
@@ -39,13 +42,22 @@ pub(super) struct Stand<'a, const W: usize> {
     pub(super) there: bool,
     pub(super) pull: Vec<Numbers<W>>,
     pub(super) normals: Vec<Numbers<W>>,
+    /// What a method remembers from step to step, and λ where bodies are; nothing where it remembers nothing. The first
+    /// number is 0 in lanes that have no step to remember.
+    pub(super) past: Vec<Numbers<W>>,
+    pub(super) multipliers: Vec<Numbers<W>>,
     /// Two numbers of each equation.
     pub(super) of_equations: [Vec<Numbers<W>>; 2],
 }
 
 impl<'a, const W: usize> Stand<'a, W> {
-    /// For bodies of so many coordinates, and steps of this method.
-    pub(super) fn new(course: Course<'a, W>, method: &impl Method, dimension: usize) -> Self {
+    /// For bodies of so many coordinates, and steps of this method, which remembers so many numbers.
+    pub(super) fn new(
+        course: Course<'a, W>,
+        method: &impl Method,
+        dimension: usize,
+        remembered: usize,
+    ) -> Self {
         let plan = course.plan;
         let (n, m, entries) = (plan.coordinates, plan.equations, plan.of_entry.len());
         let rows = |number: usize| vec![zeros::<W>(); number];
@@ -58,6 +70,8 @@ impl<'a, const W: usize> Stand<'a, W> {
             there: false,
             pull: rows(n),
             normals: rows(entries),
+            past: rows(remembered),
+            multipliers: rows(if remembered == 0 { 0 } else { m }),
             of_equations: [rows(m), rows(m)],
         }
     }
@@ -73,6 +87,16 @@ impl<'a, const W: usize> Stand<'a, W> {
         self.there = true;
         self.pull.copy_from_slice(&self.numbers[change..change + n]);
         self.normals.copy_from_slice(&self.numbers[gradient..gradient + entries]);
+        self.take_multipliers(&[1; W]);
+    }
+
+    /// Takes over λ of these lanes, from accelerations that were just evaluated.
+    #[inline(always)]
+    pub(super) fn take_multipliers(&mut self, lanes: &Which<W>) {
+        let x = self.course.plan.places.x;
+        for (i, multiplier) in self.multipliers.iter_mut().enumerate() {
+            choose(lanes, &-self.numbers[x + i], multiplier);
+        }
     }
 
     /// Writes accelerations at the places and velocities on trial to `change`; `afresh` with the normals and the matrix

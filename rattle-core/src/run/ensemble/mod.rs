@@ -19,12 +19,12 @@
 //!   last four also with [flows](crate::effect::Flow) of momenta, such as heat, drag and magnetic fields, unless they
 //!   [feel forces](crate::effect::Flow::FEELS_FORCES) or have a memory;
 //! * linked bodies, up to 16 384 numbers of one trajectory (chains of some 400 links in space), moved by the same
-//!   methods except Lobatto's, always in double precision; also with flows of momenta, of the same kinds.
-//!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
+//!   methods, always in double precision; also with flows of momenta, of the same kinds. Exceptions are links that
+//!   move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
 //!   different topologies, or with other bodies pinned;
-//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the methods of linked bodies except
-//!   `Taylor`, always in double precision; also with flows of momenta, of the same kinds;
+//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the methods of linked bodies except Lobatto's
+//!   and `Taylor`, always in double precision; also with flows of momenta, of the same kinds;
 //! * any number of bodies in [phase space](crate::systems::phase), of up to 16 coordinates, moved by RATTLE or a
 //!   composition of it, always in double precision with compensated sums.
 //!
@@ -73,6 +73,7 @@ mod grouping_rows;
 mod inside;
 mod lane_record;
 mod laws;
+mod linked_collocation;
 mod linked_few;
 mod linked_going;
 mod linked_lanes;

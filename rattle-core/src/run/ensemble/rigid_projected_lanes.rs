@@ -12,7 +12,7 @@ use crate::motion::system::System;
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
-use crate::run::ensemble::by_itself::{prepared, steps};
+use crate::run::ensemble::by_itself::{self, prepared};
 use crate::run::ensemble::engine::{Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::lane_record::{of_projected, read_all, write_all};
@@ -172,12 +172,12 @@ impl<Y: System<f64, D>, const D: usize> Engine<D> for RigidProjected<Y, D> {
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        OwnSteps { number, parts, .. }: OwnSteps,
+        steps: OwnSteps,
         _: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
         let system = self.laws.system(lane);
         let Ok(view) = view(system) else { return Ok((bodies.to_vec(), 0.0)) }; // never: it was asked
-        Ok(steps(&self.method, (system, view), bodies, number, parts)?)
+        by_itself::steps(&self.method, (system, view), bodies, steps)
     }
 
     fn kick_alone(&self, steps: u32) {
