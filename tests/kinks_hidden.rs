@@ -118,3 +118,82 @@ fn angles_of_links_have_no_list() {
     assert_eq!(listed::<_, 12>(&Torsion { angle: 1.0 }), 0);
     assert_eq!(listed::<_, 3>(&ByAngle { c: 1.0 }), 1);
 }
+
+/// A wedge y = |x|/2 in many spellings: none of them is passed.
+#[test]
+fn edges_in_roots_and_powers_are_errors() {
+    macro_rules! wedges {
+        ($($name:ident { $($number:ident: $value:expr),* } $body:expr;)*) => {$({
+            constraint! { struct $name { $($number),* } |x, y| y - ($body) }
+            let scene = Scene::on($name { $($number: $value),* });
+            let start = scene.project(&State::at([0.4, 0.2]).moving([-1.0, -0.5])).unwrap();
+            let ended = scene.simulate(start, Rattle::new(0.013)).unwrap().run(90);
+            let (argument, angle) = kink(ended.expect_err(stringify!($body)));
+            assert_eq!(argument, "x", "{}", stringify!($body));
+            // The sides are compared where c = 1e-40 is still felt.
+            assert!((angle - 2.0 * 0.5_f64.atan().to_degrees()).abs() < 1e-2, "{}: {angle}", stringify!($body));
+        })*};
+    }
+    wedges! {
+        Quotient { a: 2.0 } sqrt(x^2 / a^2);
+        Product { a: 0.25 } sqrt(a * x^2);
+        Half { a: 0.25 } (a * x^2)^0.5;
+        Twice { a: 0.25 } sqrt(a * x * x);
+        Rounded { a: 0.25, c: 1e-12 } sqrt(a * x^2 + c^2);
+        Any { n: 0.5, k: 0.5 } k * (x^2)^n;
+        Fourth { k: 0.5 } k * (x^4)^(1/4);
+        Nested { k: 0.5, c: 1e-40 } k * sqrt(sqrt(x^4 + c));
+        Length { k: 0.5 } k * hypot(x, x) / sqrt(2);
+        Norm { a: 2.0 } norm(x / a, 0 * x);
+        Third { k: 0.5 } k * cbrt(x^6)^(1/2);
+        Common { k: 0.125 } sqrt(k * x^2 + x^2 / 8);
+    }
+}
+
+/// A superellipse that is a square, and a ridge along x = y.
+#[test]
+fn edges_of_lengths_are_errors() {
+    constraint! { struct Square { n, a } |x, y| ((x / a)^2)^n + (y^2)^n - 1 }
+    let scene = Scene::on(Square { n: 0.5, a: 2.0 });
+    let start = scene.project(&State::at([0.4, 0.8]).moving([-1.0, 0.5])).unwrap();
+    assert_eq!(kink(scene.simulate(start, Rattle::new(0.013)).unwrap().run(90).unwrap_err()).0, "x");
+    constraint! { struct Ridge { a } |x, y, z| z - sqrt((x - y)^2 / a^2) }
+    let scene = Scene::on(Ridge { a: 2.0 });
+    let start = scene.project(&State::at([0.4, 0.0, 0.2]).moving([-1.0, 0.0, -0.5])).unwrap();
+    assert_eq!(kink(scene.simulate(start, Rattle::new(0.013)).unwrap().run(90).unwrap_err()).0, "x - y");
+}
+
+/// Steps through an infinity that a function makes finite: the surface goes on elsewhere. Where a step ends so near
+/// that the slope overflows there is no normal.
+#[test]
+fn jumps_through_an_infinity_are_errors() {
+    macro_rules! steps {
+        ($($name:ident $body:expr;)*) => {$({
+            constraint! { struct $name { k } |x, y| y - k * ($body) }
+            let mut kinks = 0;
+            for k in [0.1, 1.0] {
+                let at = -$name { k }.value(&[0.4, 0.0].into())[0];
+                let scene = Scene::on($name { k });
+                let start = scene.project(&State::at([0.4, at]).moving([-1.0, 0.0])).unwrap();
+                for h in [0.01, 0.0117, 0.013] {
+                    let ended = scene.simulate(start.clone(), Rattle::new(h)).unwrap().run(300);
+                    match ended.expect_err(stringify!($body)) {
+                        Error::Step { cause: StepFailure::Kink { argument, .. }, .. } => {
+                            assert_eq!(argument, "x", "{}", stringify!($body));
+                            kinks += 1;
+                        }
+                        error => assert!(error.to_string().contains("no normal"), "{error}"),
+                    }
+                }
+            }
+            assert!(kinks > 0, "{}", stringify!($body));
+        })*};
+    }
+    steps! {
+        Exponential 1 / (1 + exp(1 / x));
+        Power 1 / (1 + 2^(1 / x));
+        Cube atan((1 / x)^3);
+        Sinh tanh(sinh(1 / x));
+        Angle atan(exp(1 / x));
+    }
+}

@@ -10,8 +10,9 @@
 //! The table is a macro that hands its rows to another macro. So each module reads its own columns: this one reads
 //! names, values and products, and `rules` reads derivatives; that column uses the names of `rules`.
 //!
-//! A row is all that most functions need in this crate. Two kinds need one more line: functions that are not smooth are
-//! listed in `kinks`, and two that are computed together (sine and cosine) in `recurrence::pair`.
+//! A row is all that most functions need in this crate. Two kinds need one more line: functions that are not smooth, or
+//! differ on the two sides of an infinity, are listed in `kinks`, and two that are computed together (sine and cosine)
+//! in `recurrence::pair`.
 
 /// Hands the rows of the functions of one argument to the macro `$columns`.
 macro_rules! functions_of_one {

@@ -5,13 +5,15 @@
 //! min(a, b), max(a, b), if a < b …          a − b, or b − a
 //! floor(a), mod(a, w) = a − w floor(a/w)    the lowest binary digits of floor(a), as signs
 //! atan2(a, b)                               a, where b is negative: the angle jumps by 2π
-//! atan(a), tanh(a), erf(a), atan2(a, b)     what is divided by in them: they jump where it is zero
-//! sqrt(a² + c), hypot(a, c)                 a, where c is smaller than a²: for c = 0 that is an edge
+//! atan(a), exp(a), sin(a), atan2(a, b) …    what is divided by in them: they jump where it is zero
+//! √(k a²), (k a⁴)^¼, (a²)ⁿ, hypot(a, k a)   a: they are multiples of |a|
+//! √(k a² + c), hypot(a, c)                  a, where c is smaller than k a²: for c = 0 that is an edge
 //! ```
 //!
 //! What is under another square root does not change its sign where g is a number. Edges where it touches zero, as that
-//! of √(a² − 2a + 1), are not seen, nor are those of acos(cos(a)).
+//! of √(a² − 2a + 1), are not seen, nor are those of acos(cos(a)) and exp(ln(a²)/2).
 
+use crate::factors::{Factor, Factors};
 use crate::functions::{Binary, Function};
 use crate::graph::{Graph, found_from};
 use crate::node::{Comparison, Id, Node};
@@ -35,38 +37,56 @@ impl From<Id> for Kink {
 
 /// The kinks of these equations, each once.
 pub(crate) fn kinks(graph: &mut Graph, roots: &[Id]) -> Vec<Kink> {
-    let (mut list, mut listed, mut quotients) = (Vec::new(), BTreeSet::new(), BTreeSet::new());
+    let (mut list, mut listed, mut seen) = (Vec::new(), BTreeSet::new(), Seen::default());
     let all = graph.reachable(roots);
     let parts: BTreeSet<Id> = all.iter().flat_map(|&id| graph.node(id).children()).collect();
     for id in all {
         if matches!(graph.node(id), Node::Call2(Binary::Atan2, ..)) && !parts.contains(&id) {
             continue; // an angle that is to be 0 is not where it jumps
         }
-        for kink in of_node(graph, id, &mut quotients) {
+        for kink in of_node(graph, id, &mut seen) {
             if graph.moving(kink.changes) && listed.insert(kink.changes) {
                 list.push(kink);
             }
         }
     }
+    // What is listed wherever it changes its sign is not listed once more for where it matters.
+    list.retain(|kink| kink.changes == kink.shown || !listed.contains(&kink.shown));
     list
 }
 
-/// Those of one operation; `quotients` are the nodes that were searched for what they are divided by.
-fn of_node(graph: &mut Graph, id: Id, quotients: &mut BTreeSet<Id>) -> Vec<Kink> {
-    use Function::{Abs, Atan, Cbrt, Erf, Floor, Sign, Sqrt, Tanh};
+/// What was looked at before.
+#[derive(Default)]
+struct Seen {
+    /// Nodes that were searched for what they are divided by.
+    quotients: BTreeSet<Id>,
+    factors: Factors,
+}
+
+/// Those of one operation.
+fn of_node(graph: &mut Graph, id: Id, seen: &mut Seen) -> Vec<Kink> {
+    use Function::{Abs, Asinh, Atan, Cbrt, Cos, Erf, Exp, Floor, Sign, Sin, Sinh, Sqrt, Tan, Tanh};
     let changes = match *graph.node(id) {
-        Node::Call(Sqrt, a) => return edge_of_root(graph, a).into_iter().collect(),
-        Node::Call2(Binary::Hypot, a, b) if graph.moving(a) != graph.moving(b) => {
-            let (moving, still) = if graph.moving(a) { (a, b) } else { (b, a) };
-            let [square, rest] = [moving, still].map(|side| graph.mul(side, side));
-            return vec![edge(graph, moving, square, rest)];
-        }
-        Node::Call(Abs | Cbrt | Sign, a) => vec![a],
+        Node::Call(Abs | Sign, a) => vec![a],
         Node::Call(Floor, a) => (0..DIGITS).map(|digit| binary_digit(graph, a, digit)).collect(),
-        Node::Call(Atan | Tanh | Erf, a) => divisors(graph, &[a], quotients),
+        Node::Call(Cbrt, a) => {
+            let mut list = divisors(graph, &[a], seen);
+            if !graph.never_negative(a) {
+                list.push(a);
+            }
+            return list.into_iter().map(Kink::from).chain(edges(graph, id, seen)).collect();
+        }
+        Node::Call(Sqrt, _) | Node::Call2(Binary::Hypot, ..) => return edges(graph, id, seen),
+        Node::Power(_, halves) if halves % 2 != 0 => return edges(graph, id, seen),
+        Node::Call(Asinh | Atan | Cos | Erf | Exp | Sin | Sinh | Tan | Tanh, a) => {
+            divisors(graph, &[a], seen)
+        }
+        Node::Call2(Binary::Powf, _, exponent) => {
+            let list = divisors(graph, &[exponent], seen).into_iter().map(Kink::from);
+            return list.chain(edges(graph, id, seen)).collect();
+        }
         Node::Call2(Binary::Atan2, a, b) => {
-            let mut list: Vec<Kink> =
-                divisors(graph, &[a, b], quotients).into_iter().map(Kink::from).collect();
+            let mut list: Vec<Kink> = divisors(graph, &[a, b], seen).into_iter().map(Kink::from).collect();
             if !graph.never_negative(a) && !graph.never_negative(b) {
                 list.push(cut(graph, a, b));
             }
@@ -92,16 +112,18 @@ fn binary_digit(graph: &mut Graph, a: Id, digit: i32) -> Id {
     graph.sub(rest, one)
 }
 
-/// What these are divided by, as sums, products and quotients. Where it is zero they are infinite, and of another sign
-/// on each side.
-fn divisors(graph: &mut Graph, of: &[Id], quotients: &mut BTreeSet<Id>) -> Vec<Id> {
+/// What these are divided by, as sums, products, quotients and odd powers. Where it is zero they are infinite, and of
+/// another sign on each side. Fractions of fractions go on smoothly there; functions of them jump.
+fn divisors(graph: &mut Graph, of: &[Id], seen: &mut Seen) -> Vec<Id> {
     let found = found_from(of.iter().copied(), |id| match *graph.node(id) {
-        _ if quotients.contains(&id) => vec![],
+        _ if !graph.moving(id) || seen.quotients.contains(&id) => vec![],
         Node::Neg(a) => vec![a],
+        Node::Power(a, halves) if halves % 4 != 0 && halves % 2 == 0 => vec![a],
+        Node::Call2(Binary::Powf, a, exponent) if !graph.moving(exponent) => vec![a],
         Node::Add(a, b) | Node::Sub(a, b) | Node::Mul(a, b) | Node::Div(a, b) => vec![a, b],
         _ => vec![],
     });
-    let new: Vec<Id> = found.into_iter().filter(|&id| quotients.insert(id)).collect();
+    let new: Vec<Id> = found.into_iter().filter(|&id| seen.quotients.insert(id)).collect();
     let divisor = |id: Id| match *graph.node(id) {
         Node::Div(_, b) => Some(b),
         Node::Power(b, halves) if halves < 0 && halves % 4 != 0 && halves % 2 == 0 => Some(b),
@@ -112,20 +134,11 @@ fn divisors(graph: &mut Graph, of: &[Id], quotients: &mut BTreeSet<Id>) -> Vec<I
     divisors.into_iter().filter(|&b| !graph.never_negative(b)).collect()
 }
 
-/// The edge of √u for u = a² + c, where c does not move.
-fn edge_of_root(graph: &mut Graph, u: Id) -> Option<Kink> {
-    let (mut inside, mut rest) = (u, None);
-    loop {
-        let (moving, still) = match *graph.node(inside) {
-            Node::Add(a, b) if !graph.moving(a) => (b, a),
-            Node::Add(a, b) if !graph.moving(b) => (a, b),
-            Node::Sub(a, b) if !graph.moving(b) => (a, graph.neg(b)),
-            Node::Power(a, 4) => return rest.map(|rest| edge(graph, a, inside, rest)),
-            _ => return None,
-        };
-        inside = moving;
-        rest = Some(rest.map_or(still, |rest| graph.add(rest, still)));
-    }
+/// The edges of a root, a power or a length.
+fn edges(graph: &mut Graph, root: Id, seen: &mut Seen) -> Vec<Kink> {
+    let factors: Vec<Factor> =
+        seen.factors.of(graph, root).iter().filter(|factor| factor.bends()).cloned().collect();
+    factors.iter().map(|factor| edge(graph, factor)).collect()
 }
 
 /// a where b is negative, else 1: there atan2(a, b) does not jump.
@@ -135,9 +148,12 @@ fn cut(graph: &mut Graph, a: Id, b: Id) -> Kink {
     Kink { changes, shown: a }
 }
 
-/// a where c is no more than a², else 1: √(a² + c) is smooth as seen from so far.
-fn edge(graph: &mut Graph, a: Id, square: Id, c: Id) -> Kink {
+/// a where c is no more than k a², else 1: √(k a² + c) is smooth as seen from so far.
+fn edge(graph: &mut Graph, factor: &Factor) -> Kink {
     let one = graph.constant(1.0);
-    let changes = graph.select(Comparison::LessOrEqual, c, square, a, one);
-    Kink { changes, shown: a }
+    let mut changes = factor.base;
+    for limit in &factor.limits {
+        changes = graph.select(Comparison::LessOrEqual, limit.rest, limit.core, changes, one);
+    }
+    Kink { changes, shown: factor.base }
 }

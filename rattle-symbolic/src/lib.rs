@@ -22,8 +22,8 @@
 //! routine
 //! parity
 //! lower  differentiate
-//! call  rules  schedule  formula
-//! arithmetic  algebra
+//! call  rules  schedule  formula  kinks
+//! arithmetic  algebra  factors
 //! names  parse  graph  interface
 //! value  parse_expression  macros  operation  headings
 //! syntax  node
@@ -61,6 +61,7 @@ mod value;
 // Mathematics: a graph to the graphs of all functions of a kernel.
 pub mod algebra;
 pub mod differentiate;
+mod factors;
 pub mod functions;
 pub mod graph;
 mod kinks;
