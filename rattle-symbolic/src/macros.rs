@@ -82,11 +82,16 @@ impl Macro {
             _ => {}
         }
         match (self, &item.variables[..]) {
-            (Macro::Force, [first, ..]) if is_velocity(&first.name.to_string()) => {
-                problems.note_at(&first.name, "coordinates come first, then velocities: `|q, v|`");
-            }
-            (Macro::Force, _) if !problems.any() => {
+            (Macro::Force, variables) => {
                 let sizes = self.sizes(item, components);
+                if let Some(velocity) = early_velocity(variables, sizes.coordinates(), components) {
+                    let order = in_order(variables, is_velocity).unwrap_or("|q, v|".to_owned());
+                    let message = format!("coordinates come first, then velocities: `{order}`");
+                    problems.note_at(&velocity.name, message);
+                }
+                if problems.any() {
+                    return;
+                }
                 let (rest, time) = (sizes.coordinates(), sizes.time);
                 if rest != components && rest != 2 * components {
                     let unused = item.variables.iter().any(|variable| variable.name == format!("_{TIME}"));
@@ -112,8 +117,10 @@ impl Macro {
                 let message =
                     "expected coordinates and momenta of one shape, as in `|q: [f64; 2], p: [f64; 2]|`";
                 match variables {
-                    [p, q] if p.name == "p" && q.name == "q" => {
-                        problems.note_at(&p.name, "coordinates come first, then momenta: write `|q, p|`");
+                    [p, q] if is_momentum(&p.name.to_string()) && is_coordinate(&q.name.to_string()) => {
+                        let message =
+                            format!("coordinates come first, then momenta: write `|{}, {}|`", q.name, p.name);
+                        problems.note_at(&p.name, message);
                     }
                     [q, p] if q.shape == p.shape => {}
                     [_, p] => problems.note_at(&p.name, message),
@@ -167,10 +174,49 @@ fn check_moving(variables: &[Variable], problems: &mut Problems) {
     }
 }
 
+/// A velocity among the coordinates of a force of so many components: the first variable of all, or, where there are
+/// velocities, one among the first half of the variables.
+fn early_velocity(variables: &[Variable], all: usize, components: usize) -> Option<&Variable> {
+    let coordinates = if all == 2 * components { components } else { 0 };
+    let mut before = 0;
+    variables.iter().enumerate().find_map(|(place, variable)| {
+        let early = place == 0 || before < coordinates;
+        before += variable.shape.iter().product::<usize>();
+        (early && is_velocity(&variable.name.to_string())).then_some(variable)
+    })
+}
+
+/// The variables as they should stand: coordinates, then what is no coordinate, then the time. None where there are not
+/// both.
+fn in_order(variables: &[Variable], is_other: fn(&str) -> bool) -> Option<String> {
+    let names = variables.iter().map(|variable| variable.name.to_string());
+    let (times, names): (Vec<_>, Vec<_>) = names.partition(|name| name == TIME);
+    let (others, coordinates): (Vec<_>, Vec<_>) = names.into_iter().partition(|name| is_other(name));
+    let both = !others.is_empty() && !coordinates.is_empty();
+    both.then(|| format!("|{}|", [coordinates, others, times].concat().join(", ")))
+}
+
 /// Whether a velocity is called so: `v`, `vx`, `v0`, `v_left`, `vel`, `velocity`.
 fn is_velocity(name: &str) -> bool {
-    let Some(rest) = name.trim_start_matches('_').strip_prefix('v') else { return false };
-    rest.chars().count() < 2 || rest.starts_with('_') || ["el", "elocity", "elocities"].contains(&rest)
+    is_called(name, "v", &["vel", "velocity", "velocities"])
+}
+
+/// Whether what belongs to coordinates on phase space is called so, and not a coordinate: `p`, `px`, `momentum`, `v`.
+fn is_momentum(name: &str) -> bool {
+    is_called(name, "p", &["momentum", "momenta"]) || is_velocity(name)
+}
+
+/// Whether a coordinate is called so: `q`, `q0`, `x`, `x_left`, `position`.
+fn is_coordinate(name: &str) -> bool {
+    ["q", "x"].iter().any(|letter| is_called(name, letter, &["position", "positions"]))
+}
+
+/// Whether a name is this letter, alone or with one letter or digit more, or with more behind a `_`, or one of these
+/// words.
+fn is_called(name: &str, letter: &str, words: &[&str]) -> bool {
+    let name = name.trim_start_matches('_');
+    let short = |rest: &str| rest.chars().count() < 2 || rest.starts_with('_');
+    name.strip_prefix(letter).is_some_and(short) || words.contains(&name)
 }
 
 /// How many variables there are, whether the last one is the time, and how many equations or components.

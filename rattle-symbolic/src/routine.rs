@@ -278,7 +278,7 @@ pub fn phase_constraint(mut source: Graph, roots: &[Id], variables: u32) -> Resu
     let products = calculus.tangents(&jacobians, along);
     routines.add("hessian_vector", &source, &products)?;
     routines.add_kinks(&source, &kinks)?;
-    routines.gradients = (source, jacobians);
+    routines.gradients = (source, rows.concat());
     Ok(routines)
 }
 

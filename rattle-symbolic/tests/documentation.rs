@@ -38,6 +38,25 @@ fn derivatives_by_component() {
     }
 }
 
+/// Derivatives of several equations of coordinates and momenta, each by its own variable.
+#[test]
+fn derivatives_on_phase_space() {
+    let input = "struct Two {} |q: [f64; 2], p: [f64; 2]| [q[0]^3 * p[1]^2 - 1, q[1]^5 * p[0]^7 - 2]";
+    let output = expand(Macro::PhaseConstraint, input.parse().expect("tokens")).to_string();
+    for line in [
+        "∂g[0]/∂q[0] = 3 * q[0]^2 * p[1]^2",
+        "∂g[0]/∂q[1] = 0",
+        "∂g[0]/∂p[0] = 0",
+        "∂g[0]/∂p[1] = 2 * q[0]^3 * p[1]",
+        "∂g[1]/∂q[0] = 0",
+        "∂g[1]/∂q[1] = 5 * p[0]^7 * q[1]^4",
+        "∂g[1]/∂p[0] = 7 * q[1]^5 * p[0]^6",
+        "∂g[1]/∂p[1] = 0",
+    ] {
+        assert!(output.contains(&format!("\"{line}")), "{line} in {}", &output[..1200]);
+    }
+}
+
 /// Conditions are shown as they are read: `&&` binds tighter than `||`, and comparisons tighter than both.
 #[test]
 fn conditions_as_written() {

@@ -221,6 +221,8 @@ fn variables_have_their_order() {
         (Macro::Force, "{ c } |volume| -c * volume", None),
         (Macro::Force, "{ c } |vertical, vx| -c * vx", None),
         (Macro::Force, "{ c } |_q, v| -c * v", None),
+        (Macro::Force, "{ c } |x, v, y| [c * x, c * v, c * y]", None),
+        (Macro::Force, "{ c } |x, y, vx, vy| [-c * x - vx, -c * y - vy]", None),
         (Macro::Potential, "{ c } |v| c * v^2", None),
         (Macro::Constraint, "{ w } |t, x, y| x * sin(w * t) - y * cos(w * t)", Some(time)),
         (Macro::Constraint, "{ w } |a: [f64; 2], t, b: [f64; 2]| dot(a, b) - w * t", Some(time)),
@@ -231,6 +233,42 @@ fn variables_have_their_order() {
     for (which, written, expected) in rows {
         let found = messages_of(which, &format!("struct A {written}"));
         assert_eq!(found, expected.map(str::to_owned).into_iter().collect::<Vec<_>>(), "{written}");
+    }
+    let rows = [
+        (
+            Macro::Force,
+            "|x, vx, y, vy| [-x - vx, -y - vy]",
+            "coordinates come first, then velocities: `|x, y, vx, vy|`",
+        ),
+        (
+            Macro::Force,
+            "|x, vx, y, vy, t| [-x - vx, -y - vy * t]",
+            "coordinates come first, then velocities: `|x, y, vx, vy, t|`",
+        ),
+        (
+            Macro::Force,
+            "|a: [f64; 2], va: [f64; 2], b: [f64; 2], vb: [f64; 2]| [b - a - va, a - b - vb]",
+            "coordinates come first, then velocities: `|a, b, va, vb|`",
+        ),
+        (
+            Macro::Force,
+            "|vx, x, vy, y| [-x - vx, -y - vy]",
+            "coordinates come first, then velocities: `|x, y, vx, vy|`",
+        ),
+        (
+            Macro::Hamiltonian,
+            "|p: [f64; 2], x: [f64; 2]| dot(p, p) + dot(x, x)",
+            "coordinates come first, then momenta: write `|x, p|`",
+        ),
+        (Macro::Hamiltonian, "|v, q| v^2 + q^4", "coordinates come first, then momenta: write `|q, v|`"),
+        (
+            Macro::PhaseConstraint,
+            "|p0: [f64; 2], q0: [f64; 2]| p0[0] - q0[1]",
+            "coordinates come first, then momenta: write `|q0, p0|`",
+        ),
+    ];
+    for (which, written, expected) in rows {
+        assert_eq!(messages_of(which, &format!("struct A {{}} {written}")), [expected], "{written}");
     }
     let time = "`time` is the time of a moving constraint, and stands last, as in `|x, y, t|`";
     assert_eq!(messages("struct A { w } |time, y| y - w * time"), [time]);
