@@ -512,3 +512,30 @@ fn a_parameter_that_is_nan_is_told_by_its_name() {
     let told = refused(Ensemble::sweep(Double, swept, Rattle::new(0.1))).to_string();
     assert_eq!(told, "trajectory 1: `Sphere`: its parameter r is NaN");
 }
+
+/// Potentials that have a force where they have no value: the effect is named, in ensembles too, where a scene has
+/// others, and where the time makes it so.
+#[test]
+fn energies_without_a_value_are_refused() {
+    potential! { struct Offset { g, c } |x, y| g * y + x * 0 + ln(c) }
+    potential! { struct Steps { c } |x, y| c * floor(sqrt(x)) + y }
+    potential! { struct Rising { c } |_x, y, t| c * y + ln(t) }
+    let said = |refused: Result<(), rattle::Error>| refused.unwrap_err().to_string();
+    let start = State::at([-1.0, 1.0]);
+    macro_rules! refused {
+        ($name:literal, $effect:expr) => {{
+            let scene = Scene::point().with(Offset { g: 1.0, c: 1.0 }).with($effect);
+            let alone = said(scene.simulate(start.clone(), Rattle::new(0.01)).map(|_| ()));
+            assert!(alone.starts_with(concat!("effect `", $name, "`: its energy is NaN")), "{alone}");
+            let starts = (0..20).map(|i| State::at([f64::from(i) - 19.0, 1.0]));
+            let many = said(scene.ensemble(starts, Rattle::new(0.01)).map(|_| ()));
+            assert!(many.contains(concat!("trajectory 0: effect `", $name, "`")), "{many}");
+        }};
+    }
+    refused!("Offset", Offset { g: 1.0, c: -1.0 });
+    refused!("Steps", Steps { c: 1.0 });
+    let late = Scene::point().with(Rising { c: 1.0 });
+    let early = said(late.simulate(start.clone().at_time(-1.0), Rattle::new(0.01)).map(|_| ()));
+    assert!(early.contains("Rising"), "{early}");
+    late.simulate(start.at_time(1.0), Rattle::new(0.01)).unwrap();
+}

@@ -136,6 +136,10 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn energy(&self, at: Moment<'_, T, D>) -> T;
     /// Appends U of each effect that is not a flow, in the order of the scene. May allocate.
     fn energies(&self, _at: Moment<'_, T, D>, _to: &mut Vec<T>) {}
+    /// The name of the type of the first effect whose U is not a number. May allocate.
+    fn without_energy(&self, _at: Moment<'_, T, D>) -> Option<&'static str> {
+        None
+    }
     /// ∂U/∂t, summed over the effects. Neither allocates nor panics.
     fn power(&self, at: Moment<'_, T, D>) -> T;
     /// The name of the type of the first effect whose force on `body` is not finite, and that force. Allocates.
@@ -378,6 +382,12 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
         if !A::FLOWS {
             to.push(self.effect.energy(at));
         }
+    }
+    fn without_energy(&self, at: Moment<'_, T, D>) -> Option<&'static str> {
+        self.others.without_energy(at).or_else(|| {
+            let energy = self.effect.energy(at);
+            energy.lanes().any(f64::is_nan).then_some(self.name)
+        })
     }
     #[inline(always)]
     fn power(&self, at: Moment<'_, T, D>) -> T {

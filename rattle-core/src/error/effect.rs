@@ -33,6 +33,11 @@ pub enum EffectMistake {
     /// The effect acts along a surface, and bodies are on none.
     #[error("it is for bodies each on a surface in space, or for bodies in the plane that are on no curve")]
     NoSurface,
+    /// The potential energy at the start is NaN.
+    #[error(
+        "its energy is NaN at the start; check the start and the parameters against the potential's domain"
+    )]
+    NoEnergy,
     /// A heading is normal to the surface.
     #[error("the heading {heading:?} of body {body} has no part along the surface")]
     NoHeading {

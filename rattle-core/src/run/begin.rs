@@ -107,6 +107,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             no_way_back(&system)?;
         }
         self.check_forces(&start.bodies, start.time)?;
+        self.check_energy(&start.bodies, start.time)?;
         if const { <C::System<E, N> as Parts<f64, D>>::MOMENTA < D } {
             let checked = system.check_flows(method.step_size(), &bodies_at(&system, start));
             checked.map_err(|(effect, mistake)| Error::Effect { effect, mistake })?;
@@ -151,6 +152,19 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             }
         }
         Ok(())
+    }
+
+    /// A potential may have a force where it has no value: the energy of such a run would be NaN in silence.
+    fn check_energy(&self, bodies: &[Body<f64, D>], time: f64) -> Result<(), Error> {
+        if const { E::Forces::<f64>::EFFECTS == 0 } {
+            return Ok(());
+        }
+        let positions = Body::positions(bodies);
+        let at = Moment { time, positions: &positions };
+        match self.effects.forces::<f64>().without_energy(at) {
+            Some(effect) => Err(Error::Effect { effect, mistake: EffectMistake::NoEnergy }),
+            None => Ok(()),
+        }
     }
 }
 
