@@ -117,3 +117,48 @@ fn coefficients_that_overflow() {
     let bent = Big {}.hessian_vector(&vector![0.25, 3.0], &vector![1.0, 0.0]);
     assert_eq!(bent, vector![f64::INFINITY, 1.0].transpose());
 }
+
+constraint! { struct Curved {} |a, b, c, d, x| tanh(a) + acos(b) + asin(c) + atanh(d) + hypot(x, 1) }
+
+/// Second derivatives near an inflection, and of a hyperbola far out: nothing cancels.
+#[test]
+fn second_derivatives_keep_their_digits() {
+    let along = |at: [f64; 5], way: usize| {
+        let direction = std::array::from_fn(|i| f64::from(u8::from(i == way)));
+        Curved {}.hessian_vector(&at.into(), &direction.into())[way]
+    };
+    let mut asked = 0;
+    for x in [1e-2, 1e-4, 1e-8, 1e-12, 1e-16, -1e-8] {
+        let cube = |c: f64| c * x * x; // the next term of each series
+        for (way, expected) in [
+            (0, -2.0 * x * (1.0 + cube(-4.0 / 3.0))),
+            (1, -x * (1.0 + cube(1.5))),
+            (2, x * (1.0 + cube(1.5))),
+            (3, 2.0 * x * (1.0 + cube(2.0))),
+        ] {
+            let found = along([x; 5], way);
+            let bound = 8.0 * f64::EPSILON + 4.0 * x.powi(4);
+            assert!(
+                (found - expected).abs() <= bound * expected.abs(),
+                "{way} at {x:e}: {found:e}, {expected:e}"
+            );
+            asked += 1;
+        }
+    }
+    assert_eq!(asked, 24);
+    for x in [1e2, 1e4, 1e6, 1e8, 1e10, -1e10_f64] {
+        let (found, expected) = (along([0.0, 0.0, 0.0, 0.0, x], 4), x.hypot(1.0).powi(-3));
+        assert!((found - expected).abs() <= 16.0 * f64::EPSILON * expected, "{x:e}: {found:e}, {expected:e}");
+    }
+}
+
+constraint! { struct Logarithm {} |x, y| ln(x) + asin(y) }
+
+/// What is no number has no second derivative either.
+#[test]
+fn no_number_has_no_curvature() {
+    let curved = |at: [f64; 2], way: [f64; 2]| Logarithm {}.hessian_vector(&at.into(), &way.into());
+    assert!(curved([-1.0, 0.5], [1.0, 0.0])[0].is_nan());
+    assert!(curved([1.0, 2.0], [0.0, 1.0])[1].is_nan());
+    assert_eq!(curved([0.5, 0.0], [1.0, 1.0]), vector![-4.0, 0.0].transpose());
+}

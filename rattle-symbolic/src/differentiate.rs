@@ -131,7 +131,9 @@ impl<'a> Calculus<'a> {
             let tangent = match *self.graph.node(id) {
                 Node::Input(input) => seed(self.graph, input),
                 Node::Select(comparison, a, b, then, other) => {
-                    let (then, other) = (of(&then), of(&other));
+                    let (none, other) = (self.graph.as_constant(then).is_some_and(f64::is_nan), of(&other));
+                    // What is no number has no slope.
+                    let then = if none && !other.is_zero() { then.into() } else { of(&then) };
                     self.branch(comparison, a, b, then, other)
                 }
                 _ => {
@@ -261,21 +263,7 @@ impl<'a> Calculus<'a> {
             Node::Sum(terms) => {
                 terms.iter().map(|&(bits, a)| (Rule::Sum, a, Scaled::number(f64::from_bits(bits)))).collect()
             }
-            Node::Product(factors) => (0..factors.len())
-                .map(|i| {
-                    let mut operands = vec![Scaled::ONE];
-                    for (j, &(a, exponent)) in factors.iter().enumerate() {
-                        let own = exponent - u32::from(i == j);
-                        if i == j {
-                            operands.push(Scaled::number(f64::from(exponent)));
-                        }
-                        if own > 0 {
-                            operands.push(g.power(a, 2 * own as i32).into());
-                        }
-                    }
-                    (Rule::Product, factors[i].0, g.product(&operands))
-                })
-                .collect(),
+            Node::Product(factors) => of_product(g, &factors),
         };
         let moving: Vec<_> = rules.into_iter().filter(|&(_, x, _)| self.graph.moving(x)).collect();
         moving.into_iter().map(|(rule, x, partial)| (x, self.ruled(rule, partial))).collect()
@@ -287,6 +275,80 @@ impl<'a> Calculus<'a> {
             _ => partial,
         }
     }
+}
+
+/// The slopes of a product by its factors. Two of them whose slopes would cancel have one together.
+fn of_product(g: &mut Graph, factors: &[(Id, u32)]) -> Vec<(Rule, Id, Scaled)> {
+    let pair = (0..factors.len()).find_map(|i| (0..factors.len()).find_map(|j| Pair::of(g, factors, [i, j])));
+    let left = |i: usize, gone: &[usize]| factors[i].1 - u32::from(gone.contains(&i));
+    let mut slopes = Vec::new();
+    let mut slope = |g: &mut Graph, by: Id, gone: &[usize], times: Vec<Scaled>| {
+        let rest = (0..factors.len()).filter(|&j| left(j, gone) > 0);
+        let rest: Vec<Scaled> =
+            rest.map(|j| g.power(factors[j].0, 2 * left(j, gone) as i32).into()).collect();
+        slopes.push((Rule::Product, by, g.product(&[times, rest].concat())));
+    };
+    if let Some(Pair { places, by, slope: times }) = &pair {
+        slope(g, *by, places, times.clone());
+    }
+    let taken = pair.map_or(vec![], |pair| pair.places.to_vec());
+    for i in (0..factors.len()).filter(|i| !taken.contains(i)) {
+        slope(g, factors[i].0, &[i], vec![Scaled::number(f64::from(factors[i].1))]);
+    }
+    slopes
+}
+
+/// Two factors of a product whose slopes nearly cancel somewhere, and the slope of both together.
+///
+/// ```text
+/// (x − 1)(x + 1)           2x          not (x − 1) + (x + 1), which loses it near 0
+/// x / f, f = hypot(x, c)   c² / f³     not 1/f − x²/f³, which loses it far out
+/// ```
+struct Pair {
+    places: [usize; 2],
+    by: Id,
+    slope: Vec<Scaled>,
+}
+
+impl Pair {
+    fn of(g: &mut Graph, factors: &[(Id, u32)], places @ [i, j]: [usize; 2]) -> Option<Pair> {
+        let [(a, times), (b, others)] = places.map(|place| factors[place]);
+        if i == j || times != 1 || others != 1 {
+            return None;
+        }
+        if let (Some((x, less)), Some((y, more))) = (beside_number(g, a), beside_number(g, b))
+            && (x, less) == (y, -more)
+            && less < 0.0
+        {
+            return Some(Pair { places, by: x, slope: vec![Scaled { factor: 2.0, node: Some(x) }] });
+        }
+        let still = far_side(g, b, a)?;
+        let slope = [still, still, b, b, b].map(Scaled::from).to_vec();
+        Some(Pair { places, by: a, slope })
+    }
+}
+
+/// x and c of the sum x + c.
+fn beside_number(graph: &Graph, sum: Id) -> Option<(Id, f64)> {
+    let Node::Sum(ref terms) = *graph.node(sum) else { return None };
+    let [(one, a), (other, b)] = **terms else { return None };
+    let (x, number) = match (graph.as_constant(a), graph.as_constant(b)) {
+        (Some(number), None) => (b, number),
+        (None, Some(number)) => (a, number),
+        _ => return None,
+    };
+    (one == 1.0_f64.to_bits() && other == one).then_some((x, number))
+}
+
+/// c, where the first is 1/hypot(x, c), guarded at 0, for a c that stays.
+fn far_side(graph: &Graph, reciprocal: Id, x: Id) -> Option<Id> {
+    let Node::Select(Comparison::LessOrEqual, f, .., other) = *graph.node(reciprocal) else { return None };
+    let (Node::Call2(Binary::Hypot, a, b), Node::Power(below, -2)) = (graph.node(f), graph.node(other))
+    else {
+        return None;
+    };
+    let still = if *a == x { *b } else { *a };
+    (*below == f && (*a == x || *b == x) && !graph.moving(still)).then_some(still)
 }
 
 /// Powers of distances of more sides are differentiated as powers of any number: of a chain of them the work would grow
