@@ -203,3 +203,20 @@ mod law {
         assert_eq!(found, [1.0, 3.0]);
     }
 }
+
+/// Functions of a residual that nobody calls are no news, also where lints cannot be allowed; and a name that is not
+/// written as a type's is complained of once.
+mod strict {
+    #![forbid(dead_code, clippy::all)]
+
+    ::rattle_macros::residual! {
+        struct Slope { epsilon }
+        |h: [f64; 2], p: [f64; 2]| given |c: [f64; 2]| eliminate(p)
+        { let size = sqrt(dot(p, p) + epsilon^2); [h - c, size * p - h] }
+    }
+
+    #[test]
+    fn a_residual_is_used() {
+        assert_eq!(Slope { epsilon: 1.0 }.epsilon.to_bits(), 1.0_f64.to_bits());
+    }
+}

@@ -11,7 +11,7 @@ use crate::node::Id;
 use crate::parse::parse;
 use crate::problems::Problems;
 use crate::routine::{self, Routines};
-use crate::syntax::{Item, Parameter, has_attribute};
+use crate::syntax::{Item, Parameter, is_documented};
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
@@ -145,7 +145,7 @@ pub(crate) fn structure(item: &Item, documentation: &[String]) -> TokenStream {
         let (attributes, visibility, name) = (&parameter.attributes, &parameter.visibility, &parameter.name);
         let shape = array_type(&parameter.shape);
         let note = format!("The parameter `{name}`.");
-        let note = if has_attribute(attributes, "doc") { TokenStream::new() } else { quote!(#[doc = #note]) };
+        let note = if is_documented(attributes) { TokenStream::new() } else { quote!(#[doc = #note]) };
         quote!(#attributes #note #visibility #name: #shape)
     });
     quote! {

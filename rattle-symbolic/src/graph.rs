@@ -104,6 +104,14 @@ impl Graph {
         self.reachable(roots).iter().filter(|id| counts(id)).count()
     }
 
+    /// The number of operations of parameters alone, wherever they are used.
+    pub(crate) fn still_operations(&self) -> usize {
+        let counts = |i: &usize| {
+            !self.moving[*i] && self.number[*i].is_none() && !matches!(self.nodes[*i], Node::Input(_))
+        };
+        (0..self.len()).filter(counts).count()
+    }
+
     /// The values of the roots: the reference for generated code.
     pub fn evaluate<N: Number>(&self, roots: &[Id], input: impl Fn(Input) -> N) -> Vec<N> {
         let mut values = vec![N::from_f64(0.0); self.len()];

@@ -7,7 +7,7 @@ use crate::node::Input;
 use crate::recurrence::Series;
 use crate::routine::{LARGE, Routines};
 use crate::syntax::Item;
-use proc_macro2::{Ident, Literal, TokenStream};
+use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
@@ -238,8 +238,13 @@ impl Kernel<'_> {
 
     /// The kernel's type.
     fn name(&self) -> Ident {
-        format_ident!("{}Kernel", self.item.name)
+        kernel_name(self.item)
     }
+}
+
+/// The kernel's name. It is no name of the user's: what the compiler says of names it says of the struct's alone.
+pub(crate) fn kernel_name(item: &Item) -> Ident {
+    format_ident!("{}Kernel", item.name, span = Span::call_site())
 }
 
 pub(crate) fn components(path: TokenStream, shape: &[usize], list: &mut Vec<TokenStream>) {

@@ -201,9 +201,9 @@ impl Lowering<'_> {
             self.unreadable = true;
             return;
         }
-        let to = if binder.inclusive { to.saturating_add(1) } else { to };
+        let last = if binder.inclusive { Some(to) } else { to.checked_sub(1) };
         let start = self.scope.len();
-        for index in from..to {
+        for index in last.into_iter().flat_map(|last| from..=last) {
             self.rounds += 1;
             if self.exhausted(binder.from.extent.to(binder.to.extent)) {
                 break;

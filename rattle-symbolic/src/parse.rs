@@ -110,17 +110,41 @@ fn condition(attribute: &Attribute) -> Option<TokenStream> {
 /// What every struct derives anyway.
 const DERIVED: [&str; 4] = ["Clone", "Copy", "Debug", "PartialEq"];
 
-/// The attribute without the derives that would be made twice.
+/// The attribute without the derives that would be made twice, also where a condition stands before them.
 fn underived(attribute: Attribute) -> Option<TokenStream> {
-    if !attribute.path().is_ident("derive") {
-        return Some(attribute.into_token_stream());
+    let whole = attribute.to_token_stream();
+    let read = Punctuated::<Meta, Token![,]>::parse_terminated;
+    if attribute.path().is_ident("derive") {
+        return others_derived(&attribute.meta).map(|meta| quote!(#[#meta]));
     }
-    let list = attribute.parse_args_with(Punctuated::<Path, Token![,]>::parse_terminated);
-    let Ok(list) = list else { return Some(attribute.into_token_stream()) };
-    let is_ours =
-        |path: &Path| path.segments.last().is_some_and(|last| DERIVED.iter().any(|d| last.ident == d));
-    let others: Vec<Path> = list.into_iter().filter(|path| !is_ours(path)).collect();
-    (!others.is_empty()).then(|| quote!(#[derive(#(#others),*)]))
+    let (true, Ok(list)) = (attribute.path().is_ident("cfg_attr"), attribute.parse_args_with(read)) else {
+        return Some(whole);
+    };
+    let (Some(predicate), true) = (list.first(), list.iter().any(|meta| meta.path().is_ident("derive")))
+    else {
+        return Some(whole);
+    };
+    let rest: Vec<TokenStream> = list.iter().skip(1).filter_map(others_derived).collect();
+    (!rest.is_empty()).then(|| quote!(#[cfg_attr(#predicate, #(#rest),*)]))
+}
+
+/// An attribute without what every struct derives, if anything is left.
+fn others_derived(meta: &Meta) -> Option<TokenStream> {
+    let whole = meta.to_token_stream();
+    let Meta::List(derive) = meta else { return Some(whole) };
+    let list = derive.parse_args_with(Punctuated::<Path, Token![,]>::parse_terminated);
+    let (true, Ok(list)) = (derive.path.is_ident("derive"), list) else { return Some(whole) };
+    let others: Vec<Path> = list.into_iter().filter(|path| !is_derived(path)).collect();
+    (!others.is_empty()).then(|| quote!(derive(#(#others),*)))
+}
+
+/// Whether this is a derive of the standard library that every struct has: `Clone`, `core::clone::Clone`, not that of
+/// another crate by the same name.
+fn is_derived(path: &Path) -> bool {
+    let (first, last) = (path.segments.first(), path.segments.last());
+    let standard = first.is_some_and(|first| first.ident == "core" || first.ident == "std");
+    (path.segments.len() == 1 || standard)
+        && last.is_some_and(|last| DERIVED.iter().any(|derived| last.ident == derived))
 }
 
 /// The parameters; what is wrong with one is noted, and the rest is read.
@@ -184,6 +208,10 @@ fn variables(input: ParseStream, problems: &mut Problems) -> Result<Vec<Variable
     input.parse::<Token![|]>()?;
     let mut list = Vec::new();
     while !input.peek(Token![|]) {
+        let pattern = input.peek(token::Paren) || input.peek(token::Bracket) || input.peek(Token![&]);
+        if pattern || input.peek(Token![mut]) || input.peek(Token![ref]) {
+            return Err(input.error("variables are names alone, as in `|x, y|` or `|q: [f64; 3]|`"));
+        }
         let name = name(input)?;
         let shape = optional_shape(input, problems);
         list.push(Variable { name, shape });

@@ -16,7 +16,7 @@ use crate::expand::{reported, structure};
 use crate::formula;
 use crate::graph::Graph;
 use crate::headings::{Headings, headings};
-use crate::kernel::components;
+use crate::kernel::{components, kernel_name};
 use crate::limits::TooLarge;
 use crate::lower::{Lowered, lower};
 use crate::macros::Expectation;
@@ -281,7 +281,7 @@ fn implementation(item: &Item, headings: &Headings, routines: &Routines, roles: 
     lines.extend([String::new(), format!("Operations per call: {}.", counts.join(", "))]);
     let structure = structure(item, &lines);
     let emitter = Emitter::new(routines);
-    let kernel = format_ident!("{}Kernel", item.name);
+    let kernel = kernel_name(item);
     let mut parameters = Vec::new();
     for parameter in &item.parameters {
         let name = &parameter.name;
@@ -298,8 +298,25 @@ fn implementation(item: &Item, headings: &Headings, routines: &Routines, roles: 
         .list
         .iter()
         .map(|routine| function(routine.name, &routine.roots, &emitter, routines, roles, &kernel));
-    let kernel = kernel_of(item, roles, emitter.declarations(), construction, functions.collect());
-    quote!(#structure #kernel)
+    let (all, uses) = (functions.collect(), uses(item, &kernel, routines));
+    let kernel = kernel_of(item, roles, emitter.declarations(), construction, all);
+    quote!(#structure #kernel #uses)
+}
+
+/// A use of each function: those that a program does not use are no news, and a crate may forbid to allow them.
+fn uses(item: &Item, kernel: &Ident, routines: &Routines) -> TokenStream {
+    let (name, conditions) = (&item.name, &item.conditions);
+    let quiet = if item.is_deprecated() { quote!(#[allow(deprecated)]) } else { TokenStream::new() };
+    let functions = routines.list.iter().map(|routine| format_ident!("{}", routine.name));
+    let number = quote!(::core::primitive::f64);
+    quote! {
+        #conditions
+        #quiet
+        const _: fn(&#name) = |__item| {
+            let _ = (#name::UNKNOWNS, #name::GIVEN, #name::KEPT, __item.kernel::<#number>());
+            #(let _ = #kernel::<#number>::#functions;)*
+        };
+    }
 }
 
 /// What stands in for an item in which something is wrong, and what that is. Functions take arrays of any length, as
@@ -338,7 +355,7 @@ fn kernel_of(
     construction: TokenStream,
     functions: TokenStream,
 ) -> TokenStream {
-    let (name, kernel) = (&item.name, format_ident!("{}Kernel", item.name));
+    let (name, kernel) = (&item.name, kernel_name(item));
     let (conditions, visibility) = (&item.conditions, &item.visibility);
     let quiet = if item.is_deprecated() { quote!(#[allow(deprecated)]) } else { TokenStream::new() };
     let about =
@@ -354,7 +371,7 @@ fn kernel_of(
         #conditions
         #quiet
         #[automatically_derived]
-        #[allow(dead_code, clippy::all)]
+        #[allow(clippy::approx_constant)]
         impl #name {
             /// The number of unknowns of an element.
             pub const UNKNOWNS: ::core::primitive::usize = #n;
@@ -373,7 +390,7 @@ fn kernel_of(
         #conditions
         #quiet
         #[automatically_derived]
-        #[allow(dead_code, clippy::all)]
+        #[allow(clippy::approx_constant)]
         impl<T: ::rattle::real::Real> #kernel<T> {
             #functions
         }

@@ -26,10 +26,27 @@ impl Item {
 
 /// Whether one of the attributes is `#[name …]`.
 pub(crate) fn has_attribute(attributes: &TokenStream, name: &str) -> bool {
+    any_attribute(attributes, |first, _| matches!(first, Some(TokenTree::Ident(own)) if *own == name))
+}
+
+/// Whether one of the attributes is documentation, `#[doc = …]`, and not `#[doc(alias = …)]` or `#[doc(hidden)]`.
+pub(crate) fn is_documented(attributes: &TokenStream) -> bool {
+    any_attribute(attributes, |first, second| {
+        matches!(first, Some(TokenTree::Ident(own)) if *own == "doc")
+            && matches!(second, Some(TokenTree::Punct(punct)) if punct.as_char() == '=')
+    })
+}
+
+/// Whether one of the attributes has these tokens first.
+fn any_attribute(
+    attributes: &TokenStream,
+    is: impl Fn(Option<&TokenTree>, Option<&TokenTree>) -> bool,
+) -> bool {
     attributes.clone().into_iter().any(|token| {
         let TokenTree::Group(group) = token else { return false };
-        let first = group.stream().into_iter().next();
-        first.is_some_and(|first| matches!(first, TokenTree::Ident(own) if own == name))
+        let mut tokens = group.stream().into_iter();
+        let (first, second) = (tokens.next(), tokens.next());
+        is(first.as_ref(), second.as_ref())
     })
 }
 

@@ -203,6 +203,8 @@ fn too_large() {
         (Macro::Constraint, sines(2000)),
         (Macro::Constraint, sines(100_000)),
         (Macro::Potential, sines(5000)),
+        (Macro::Potential, "struct A { a } |x| x^2 * sum(i in 1..9000, sin(i * a) / i)".to_owned()),
+        (Macro::Constraint, "struct A { a } |x| x - sum(i in 1..9000, sin(i * a) / i)".to_owned()),
         (Macro::PairPotential, "struct A {} |r| sum(i in 1..15000, sin(i * r))".to_owned()),
         (
             Macro::Hamiltonian,
