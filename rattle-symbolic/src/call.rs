@@ -40,7 +40,7 @@ const SPECIAL: [(&str, Callee, usize, usize, &str); 9] = [
 ];
 
 /// What other languages say, and what is said here.
-const ALIASES: [(&str, &str); 32] = [
+const ALIASES: [(&str, &str); 33] = [
     ("log", "`ln(x)` or `log10(x)`"),
     ("lg", "`log10(x)` or `log2(x)`"),
     ("arctan", "`atan(x)`"),
@@ -65,6 +65,7 @@ const ALIASES: [(&str, &str); 32] = [
     ("signum", "`sign(x)`"),
     ("sgn", "`sign(x)`"),
     ("length", "`norm(a)`"),
+    ("len", "the number itself: lengths are known, as in `sum(i in 0..3, a[i])`"),
     ("cross", "its components: `a[1] * b[2] - a[2] * b[1]` is the first of three"),
     ("fmod", "`mod(x, y)`, which has the sign of y"),
     ("rem", "`mod(x, y)`, which has the sign of y"),

@@ -90,7 +90,7 @@ impl<'p> Parser<'p> {
         }
         let message = if input.peek(Token![;]) {
             "unexpected `;`: only `let` ends with one, and only inside `{ }`".to_owned()
-        } else if let Some(message) = meaningless(input) {
+        } else if let Some(message) = meaningless(input).or_else(|| tokens::word_of_elsewhere(input)) {
             message
         } else if starts_operand(input) {
             "expected an operator before this; a product is written with `*`".to_owned()
@@ -210,6 +210,12 @@ impl<'p> Parser<'p> {
         }
         let exponent = self.nested(input, Self::signed)?;
         let extent = base.extent.to(exponent.extent);
+        if matches!(&exponent.kind, Kind::Number(_, digits) if digits == "1")
+            && let Some(below) = tokens::divisor(input)
+        {
+            let message = format!("`^` comes before `/`; a root is written `x^(1/{below})`");
+            self.problems.note(exponent.extent, message);
+        }
         Ok(self.make(Kind::Power(Box::new(base), Box::new(exponent)), extent))
     }
 
@@ -242,6 +248,12 @@ impl<'p> Parser<'p> {
             } else if input.peek(token::Bracket) {
                 let inside;
                 let bracket = bracketed!(inside in input);
+                if let Some(separate) = tokens::separate_indices(&inside) {
+                    let message = format!("each index has its own brackets; write `{separate}`");
+                    self.problems.note_syntax(error(&inside, message));
+                    drain(&inside);
+                    return Ok(self.make(Kind::Wrong, expr.extent));
+                }
                 let index = self.group(&inside, bracket.span.close());
                 let extent = expr.extent.to(self.problems.extent(bracket.span.close()));
                 expr = self.make(Kind::Index(Box::new(expr), Box::new(index)), extent);
@@ -267,7 +279,8 @@ impl<'p> Parser<'p> {
     }
 
     fn atom(&mut self, input: ParseStream) -> Result<Expr> {
-        if let (Some(operator), true) = (self.before.take(), input.is_empty()) {
+        let behind = self.before.take();
+        if let (Some(operator), true) = (behind, input.is_empty()) {
             return Err(syn::Error::new(operator, "expected an expression after this, found the end"));
         }
         let start = self.problems.extent(input.span());
@@ -311,15 +324,10 @@ impl<'p> Parser<'p> {
         if input.peek(Ident::peek_any) && !input.peek(Token![let]) {
             return self.name(input);
         }
-        Err(error(
-            input,
-            match found(input).as_str() {
-                "nothing" => "expected an expression, found the end".to_owned(),
-                "`let`" => "`let` belongs into a block: `{ let a = …; … }`".to_owned(),
-                "`!`" => "there is no `!`; turn the comparison around".to_owned(),
-                other => format!("expected an expression, found {other}"),
-            },
-        ))
+        if behind.is_some() && input.peek(Token![=]) {
+            return Err(error(input, "a name is set once; write `let` and another name"));
+        }
+        Err(error(input, tokens::no_operand(input)))
     }
 
     fn name(&mut self, input: ParseStream) -> Result<Expr> {
@@ -458,10 +466,16 @@ impl<'p> Parser<'p> {
         self.condition = outside;
         let condition = condition?;
         if !input.peek(token::Brace) {
-            let message = meaningless(input).unwrap_or_else(|| "expected `{` after the condition".to_owned());
-            return Err(error(input, message));
+            let message = meaningless(input).or_else(|| tokens::word_of_elsewhere(input));
+            return Err(error(
+                input,
+                message.unwrap_or_else(|| "expected `{` after the condition".to_owned()),
+            ));
         }
         let then = self.block(input)?;
+        if let (false, Some(message)) = (input.peek(Token![else]), tokens::word_of_elsewhere(input)) {
+            return Err(error(input, message));
+        }
         if !input.peek(Token![else]) {
             let message =
                 "this `if` has no `else`, so no value when the condition is false; add `else { … }`";

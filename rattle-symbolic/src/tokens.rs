@@ -3,7 +3,7 @@
 use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
 use syn::ext::IdentExt;
 use syn::parse::ParseStream;
-use syn::{Lit, Token, token};
+use syn::{Lit, LitInt, Token, token};
 
 /// Brackets nest no deeper, since `syn` looks into them by recursion.
 pub(crate) const DEEPEST: usize = 500;
@@ -28,15 +28,71 @@ pub(crate) fn starts_operand(input: ParseStream) -> bool {
 }
 
 /// What is wrong with what comes next wherever it stands: a keyword of Rust, but for `mod`, which is a function here;
-/// and `%`.
+/// `%`, `?`, and bars.
 pub(crate) fn meaningless(input: ParseStream) -> Option<String> {
     if input.peek(Token![%]) {
         return Some(
             "there is no `%`; what is left of a division is `mod(x, y)`, which has the sign of y".into(),
         );
     }
+    if input.peek(Token![?]) {
+        return Some("there is no `?`; a choice is written `if x < 1 { a } else { b }`".into());
+    }
+    if input.peek(Token![|]) {
+        return Some(
+            "there are no bars; an absolute value is written `abs(x)`, that of an array `norm(a)`".into(),
+        );
+    }
     let keyword = input.peek(Ident::peek_any) && !input.peek(syn::Ident) && !input.peek(Token![mod]);
     keyword.then(|| format!("{} is a keyword of Rust, and has no meaning in a formula", found(input)))
+}
+
+/// A word that stands where an operator belongs, and what is written here.
+pub(crate) fn word_of_elsewhere(input: ParseStream) -> Option<String> {
+    let word = input.fork().parse::<Ident>().ok()?.to_string();
+    let written = match &word[..] {
+        "and" => "&&",
+        "or" => "||",
+        "elif" | "elsif" | "elseif" => "else if",
+        _ => return None,
+    };
+    Some(format!("`{word}` is written `{written}`"))
+}
+
+/// Indices between one pair of brackets as they are written here: `[0][1]` for `[0, 1]`.
+pub(crate) fn separate_indices(input: ParseStream) -> Option<String> {
+    let (mut rest, mut list) = (input.cursor(), vec![String::new()]);
+    while let Some((token, next)) = rest.token_tree() {
+        match token {
+            TokenTree::Punct(punct) if punct.as_char() == ',' => list.push(String::new()),
+            other => list.last_mut()?.push_str(&other.to_string()),
+        }
+        rest = next;
+    }
+    let several = list.len() > 1 && list.iter().all(|index| !index.is_empty());
+    several.then(|| list.iter().map(|index| format!("[{index}]")).collect())
+}
+
+/// The number that what comes next divides by.
+pub(crate) fn divisor(input: ParseStream) -> Option<LitInt> {
+    let ahead = input.fork();
+    ahead.parse::<Token![/]>().and_then(|_| ahead.parse()).ok()
+}
+
+/// What is said where an operand is missing before what comes next.
+pub(crate) fn no_operand(input: ParseStream) -> String {
+    let ahead = input.fork();
+    if ahead.parse::<Token![.]>().is_ok()
+        && let Ok(digits) = ahead.parse::<LitInt>()
+    {
+        return format!("a number begins with a digit; write `0.{digits}`");
+    }
+    match found(input).as_str() {
+        "nothing" => "expected an expression, found the end".to_owned(),
+        "`let`" => "`let` belongs into a block: `{ let a = …; … }`".to_owned(),
+        "`!`" => "there is no `!`; turn the comparison around".to_owned(),
+        other => format!("expected an expression, found {other}"),
+    }
 }
 
 /// Whether the name before is meant as a function to a power, as in `sin^2(x)`.

@@ -319,4 +319,66 @@ fn documented_fields() {
     };
     assert!(note("") && note("#[cfg_attr(docs, allow(unused))]") && note("#[deprecated = \"see the doc\"]"));
     assert!(!note("/// Radius.\n") && !note("#[allow(unused)] #[doc = \"Radius.\"]"));
+    assert!(note("#[doc(alias = \"radius\")]") && note("#[doc(hidden)]"));
+}
+
+/// What every struct derives anyway is taken out of a list of derives, and nothing of another crate.
+#[test]
+fn derives_once() {
+    let rows = [
+        ("#[derive(Clone, Default)]", "# [derive (Default)]"),
+        (
+            "#[derive(core::clone::Clone, ::std::fmt::Debug, std::hash::Hash)]",
+            "# [derive (std :: hash :: Hash)]",
+        ),
+        ("#[derive(derive_more::Debug)]", "# [derive (derive_more :: Debug)]"),
+        ("#[derive(my::own::PartialEq, Copy)]", "# [derive (my :: own :: PartialEq)]"),
+        ("#[cfg_attr(all(), derive(Clone, Default))]", "# [cfg_attr (all () , derive (Default))]"),
+        ("#[cfg_attr(test, derive(Clone), allow(unused))]", "# [cfg_attr (test , allow (unused))]"),
+        ("#[cfg_attr(test, derive(Clone))]", ""),
+        ("#[cfg_attr(test, allow(unused))]", "# [cfg_attr (test , allow (unused))]"),
+    ];
+    for (written, expected) in rows {
+        let text = expanded(&format!("{written} struct A {{ r }} |x| x - r")).to_string();
+        let begin = text.split_once("# [doc").expect("documentation").0;
+        assert_eq!(begin.trim(), expected, "{written}");
+    }
+}
+
+/// The last round of a loop is made also where no whole number follows.
+#[test]
+fn loops_to_the_last_number() {
+    let sum = |range: &str| value(&format!("struct A {{}} |x| sum(_i in {range}, x) + x"));
+    assert_eq!(sum("9223372036854775806..=9223372036854775807"), sum("0..=1"));
+    assert_ne!(sum("9223372036854775806..=9223372036854775807"), sum("0..1"));
+}
+
+/// Slips of those who come from elsewhere: what to write.
+#[test]
+fn what_is_written_otherwise() {
+    let bars = "there are no bars; an absolute value is written `abs(x)`, that of an array `norm(a)`";
+    let rows = [
+        ("|x| |x| - 1", bars),
+        ("|x| 2 * |x| - 1", bars),
+        ("|x| x + ||x|| - 1", bars),
+        ("|m: [[f64; 2]; 2]| m[0, 1] - 1", "each index has its own brackets; write `[0][1]`"),
+        ("|x| x + .5", "a number begins with a digit; write `0.5`"),
+        ("|x| { let y = x; y += 1; y }", "a name is set once; write `let` and another name"),
+        (
+            "|x: [f64; 3]| x[0] + x.len()",
+            "unknown function `len`; write the number itself: lengths are known, as in `sum(i in 0..3, a[i])`",
+        ),
+        ("|x| x < 1 ? x : 2", "there is no `?`; a choice is written `if x < 1 { a } else { b }`"),
+        ("|x| if x < 1 { x } elif x < 2 { 2 } else { 3 * x }", "`elif` is written `else if`"),
+        ("|x, y| if x < 1 and y < 2 { x } else { y }", "`and` is written `&&`"),
+        ("|x, y| if x < 1 or y < 2 { x } else { y }", "`or` is written `||`"),
+        ("|(x, y)| x * y - 1", "variables are names alone, as in `|x, y|` or `|q: [f64; 3]|`"),
+        ("|&x| x - 1", "variables are names alone, as in `|x, y|` or `|q: [f64; 3]|`"),
+        ("|mut x| x - 1", "variables are names alone, as in `|x, y|` or `|q: [f64; 3]|`"),
+        ("|x| x^1/2 - 1", "`^` comes before `/`; a root is written `x^(1/2)`"),
+    ];
+    for (written, expected) in rows {
+        assert_eq!(messages(&format!("struct A {{}} {written}")), [expected], "{written}");
+    }
+    assert!(messages("struct A { and } |x, or| x^(1/2) + and * or + x^1 / or").is_empty());
 }

@@ -58,6 +58,15 @@ constraint! {
     |t, x, y| x * sin(w * t) - y * cos(w * t)
 }
 
+force! {
+    pub struct Interleaved { k }
+    |x, vx, y, vy| [-k * x - vx, -k * y - vy]
+}
+hamiltonian! {
+    pub struct MomentaFirst {}
+    |p: [f64; 2], x: [f64; 2]| dot(p, p) / 2 + dot(x, x)
+}
+
 fn main() {
     // The stubs stand in, so that these lines are not reported as well.
     let _ = (Early {}, Vector {}, Alone { a: 1.0 }, Short { k: 1.0 }, Missing { k: 1.0 });

@@ -110,4 +110,45 @@ potential! {
     |x, y| a * x = y
 }
 
+constraint! {
+    pub struct Bars { r }
+    |x, y| |x| + y - r
+}
+constraint! {
+    pub struct Together { r }
+    |m: [[f64; 2]; 2]| m[0, 1] + m[1][0] - r
+}
+constraint! {
+    pub struct Point { r }
+    |x, y| .5 * x + y - r
+}
+constraint! {
+    pub struct SetTwice { r }
+    |x, y| { let f = x; f += y; f - r }
+}
+constraint! {
+    pub struct Lengths { r }
+    |q: [f64; 2]| q[0] * q.len() - r
+}
+constraint! {
+    pub struct Ternary { r }
+    |x, y| x < y ? x - r : y
+}
+constraint! {
+    pub struct Elif { r }
+    |x, y| if x < r { x } elif y < r { y } else { x + y }
+}
+constraint! {
+    pub struct And { r }
+    |x, y| if x < r and y < r { x } else { y }
+}
+constraint! {
+    pub struct Patterns { r }
+    |(x, y)| x * y - r
+}
+constraint! {
+    pub struct Root { r }
+    |x, y| x^1/2 + y - r
+}
+
 fn main() {}
