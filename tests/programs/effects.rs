@@ -10,6 +10,8 @@ mod common;
 mod effects_room;
 #[path = "../effects_time.rs"]
 mod effects_time;
+#[path = "../fields.rs"]
+mod fields;
 #[path = "../flows.rs"]
 mod flows;
 #[path = "../gas.rs"]

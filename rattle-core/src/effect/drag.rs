@@ -3,7 +3,7 @@
 use crate::effect::flow::Flow;
 use crate::effect::interval::{Inertia, Interval, diagonal, inverse_mass};
 use crate::error::EffectMistake;
-use crate::number::linear::solve_positive;
+use crate::number::linear::solve_definite;
 use crate::number::real::{Real, each_lane};
 use crate::number::vector::{add_scaled, dot, scaled};
 use std::array::from_fn;
@@ -14,8 +14,15 @@ use std::array::from_fn;
 /// ṗ = −C v,  C = diag(c₁ … c_D)      in the unit of force over velocity, mass over time
 /// ```
 ///
-/// The flow is exact where masses are numbers, of second order where they are matrices. For a rigid body, the
-/// coefficients c₁, c₂, c₃ are those of rotation about its principal axes.
+/// The flow by itself is exact where masses are numbers, of second order where they are matrices. Coefficients that
+/// differ by direction are of second order on surfaces and links, where what drag takes and what constraints do
+/// alternate: one that is far above m/h slows by 8/9 in a step and no more.
+///
+/// **Under forces** a step is of second order in h c/m, too. The terminal velocity is x coth x times f/c, with x = h
+/// c/(2m): 1.08 times at h c/m = 1, and 5 times at 10. Where drag is far stronger than inertia,
+/// [`Brownian`](crate::methods::brownian::Brownian) motion has none: with a temperature of 0 it follows v = f/c.
+///
+/// For a rigid body, the coefficients c₁, c₂, c₃ are those of rotation about its principal axes.
 ///
 /// ```
 /// use rattle::effect::LinearDrag;
@@ -92,7 +99,8 @@ impl<const D: usize> Flow<D> for LinearDrag<D> {
 /// ṗ = −c |v| v        c in the unit of mass over length
 /// ```
 ///
-/// The flow is exact where the mass of a body is a number, of second order where it is a matrix.
+/// The flow is exact where the mass of a body is a number, of second order where it is a matrix. Backwards in time a
+/// velocity was infinite at t = −m/(c |v|): steps that reach as far fail.
 ///
 /// ```
 /// use rattle::effect::QuadraticDrag;
@@ -140,11 +148,12 @@ fn slowed<T: Real, const D: usize>(
     let step = |h: f64, p: &[T; D]| -> [T; D] {
         let c = drag(&during.inertia.velocity(body, p)).map(|c| T::from_f64(h) * c);
         let columns = inverse_mass(during.inertia, body);
-        // (1 + h C M⁻¹) p′ = p: with M⁻¹ positive definite no pivot vanishes.
+        // (1 + h C M⁻¹) p′ = p: with M⁻¹ positive definite all pivots are positive; backwards in time, too, until p
+        // was infinite, and beyond that p′ is NaN.
         let rows = from_fn(|i| {
             from_fn(|k| c[i].multiply_add(columns[k][i], T::from_f64(f64::from(u8::from(i == k)))))
         });
-        solve_positive(rows, *p)
+        solve_definite(rows, *p)
     };
     let twice = step(0.5 * during.h, &step(0.5 * during.h, p));
     let once = step(during.h, p);

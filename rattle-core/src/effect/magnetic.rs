@@ -14,14 +14,17 @@ use std::array::from_fn;
 /// ṗ = e v × B       e a charge, B in the unit of momentum over charge and length
 /// ```
 ///
-/// Each half of the flow turns the momentum by the implicit midpoint rule. So kinetic energy is conserved to rounding,
-/// with constraints too, and steps are reversible. For free bodies RATTLE with this field is the method of J. Boris
-/// (1970), which is symplectic: its positions are those of a discrete action with the vector potential B′ × q/2, B′ =
-/// tan(4 arctan(ω h/4)/2) 2/(ω h) B with ω = e|B|/m. With constraints, momenta are turned at fixed positions. This is
-/// reversible and conserves volume and energy, but is symplectic only to second order
-/// (`cargo test --release --test effects flows::`). Accurate steps resolve the rotation: h ω below ½.
+/// Each half of the flow turns the momentum by arctan(ω h/2), ω = e|B|/m, of a step h: two halves that meet make the
+/// turn of J. Boris (1970), tan(φ/2) = ω h/2. So the drift across the field under a constant force f is f × B/(e B²) at
+/// any h ω, also where steps do not resolve the rotation. Kinetic energy is conserved to rounding, with constraints
+/// too, and steps are reversible. For free bodies RATTLE with this field is Boris' method, which is symplectic: its
+/// positions are those of a discrete action with the vector potential B × q/2. With constraints, momenta are turned at
+/// fixed positions. This is reversible and conserves volume and energy, but is symplectic only to second order
+/// (`cargo test --release --test effects flows::`). Steps that follow the rotation itself have h ω below ½: a turn is
+/// too slow by (h ω)²/12 of itself.
 ///
-/// A field that depends on position is a [`Flow`] of your own, with the same formula. For bodies in the plane only the
+/// A field that depends on position is a [`Flow`] of your own, with the same formula: a turn by arctan(ω h) in the time
+/// h that it is handed. For bodies in the plane only the
 /// third component of B counts.
 ///
 /// ```
@@ -124,18 +127,22 @@ fn matrix<const D: usize>(map: impl Fn(&[f64; D]) -> [f64; D]) -> [[f64; D]; D] 
     from_fn(|i| from_fn(|k| columns[k][i]))
 }
 
-/// What a momentum changes by under ṗ = 2 A M⁻¹p in the unit of time, A antisymmetric, by the implicit rule of the
-/// midpoint: (1 − A M⁻¹) (p′ − p) = 2 A M⁻¹p. Where M is not diagonal a pivot of that matrix may vanish, and none of M
-/// − A: (M − A) M⁻¹(p′ − p) = 2 A M⁻¹p.
+/// What a momentum changes by under ṗ = 2 A M⁻¹p in the unit of time, A antisymmetric, turned by arctan(ω): ±iω are the
+/// eigenvalues of 2 A M⁻¹ that are not 0. By A. Cayley's transform, (1 − s A M⁻¹) (p′ − p) = 2 s A M⁻¹p: a turn by
+/// 2 arctan(s ω/2), with s ω/2 = tan(arctan(ω)/2). Where M is not diagonal a pivot of that matrix may vanish, and
+/// none of M − s A: (M − s A) M⁻¹(p′ − p) = 2 s A M⁻¹p.
 fn turned<T: Real, const D: usize>(
     inertia: &dyn Inertia<T, D>,
     body: usize,
     p: &[T; D],
     a: impl Fn([T; D]) -> [T; D],
 ) -> [T; D] {
+    let inverse = inverse_mass(inertia, body).map(&a);
+    let share = share(&inverse);
+    let a = |v: [T; D]| scaled(share, &a(v));
     let (one, twice) = (unit_vectors(), scaled(T::from_f64(2.0), &a(inertia.velocity(body, p))));
     if diagonal(inertia, body).is_some() {
-        let columns = inverse_mass(inertia, body).map(&a);
+        let columns = inverse.map(|column| scaled(share, &column));
         return solve_positive(from_fn(|i| from_fn(|k| one[i][k] - columns[k][i])), twice);
     }
     let columns = one.map(|e| inertia.root(body, &e)); // of L, with M = L Lᵀ
@@ -144,6 +151,19 @@ fn turned<T: Real, const D: usize>(
     let columns = one.map(&a);
     let change = solve_positive(from_fn(|i| from_fn(|k| mass[i][k] - columns[k][i])), twice);
     mass.map(|row| dot(&row, &change))
+}
+
+/// s = tan(arctan(ω)/2) · 2/ω = 2/(1 + √(1 + ω²)), from the columns of A M⁻¹: ω² = −2 tr(A M⁻¹)². NaN where ω² is
+/// infinite, since bodies would go straight on.
+fn share<T: Real, const D: usize>(columns: &[[T; D]; D]) -> T {
+    let mut square = T::from_f64(0.0);
+    for i in 0..D {
+        for k in 0..D {
+            square = (T::from_f64(-2.0) * columns[k][i]).multiply_add(columns[i][k], square);
+        }
+    }
+    let root = (T::from_f64(1.0) + square).sqrt();
+    root / root * T::from_f64(2.0) / (T::from_f64(1.0) + root)
 }
 
 /// Vectors of length 1 along the axes.

@@ -37,8 +37,26 @@ pub(crate) fn solve<const M: usize>(mut a: [[f64; M]; M], mut b: [f64; M]) -> Op
 /// antisymmetric or a product of positive ones: by elimination without exchanges. NaN or infinite where a pivot
 /// vanishes.
 #[inline(always)]
-pub(crate) fn solve_positive<T: Real, const M: usize>(mut a: [[T; M]; M], mut x: [T; M]) -> [T; M] {
+pub(crate) fn solve_positive<T: Real, const M: usize>(a: [[T; M]; M], x: [T; M]) -> [T; M] {
+    eliminated(a, x, |pivot| pivot)
+}
+
+/// The same, and NaN where a pivot is not positive.
+#[inline(always)]
+pub(crate) fn solve_definite<T: Real, const M: usize>(a: [[T; M]; M], x: [T; M]) -> [T; M] {
+    let zero = T::from_f64(0.0);
+    eliminated(a, x, |pivot| T::select(zero.lt(pivot), pivot, T::from_f64(f64::NAN)))
+}
+
+/// The solution with what `allowed` makes of each pivot.
+#[inline(always)]
+fn eliminated<T: Real, const M: usize>(
+    mut a: [[T; M]; M],
+    mut x: [T; M],
+    allowed: impl Fn(T) -> T,
+) -> [T; M] {
     for i in 0..M {
+        a[i][i] = allowed(a[i][i]);
         for k in i + 1..M {
             let share = a[k][i] / a[i][i];
             a[k] = add_scaled(&a[k], -share, &a[i]);
