@@ -30,3 +30,5 @@ mod pair_potentials;
 mod particles;
 #[path = "../points.rs"]
 mod points;
+#[path = "../sharp_edges.rs"]
+mod sharp_edges;

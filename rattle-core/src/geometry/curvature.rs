@@ -22,18 +22,27 @@
 use crate::kernel::functions::Constraint;
 use nalgebra::{DMatrix, SVector, SymmetricEigen};
 
+/// A tangential part that is smaller than this part of a vector is rounding.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
 /// Curvatures of the level set of g through q, for every [`Constraint`] of one equation.
 ///
 /// q need not lie on g = 0: the surface is the one on which g has the value g(q). Where ∇g = 0, everything is NaN;
 /// where ∇²g is not finite, NaN or infinite.
+///
+/// Formulas with a literal power between 1 and 2, such as |x|^1.5, have an infinite second derivative where its base is
+/// 0. It is taken as 0 there, so that curvatures are finite on x = 0, and without bound beside it.
 pub trait Curvature<const D: usize>: Constraint<D, 1> {
     /// κ along v: the curvature of the section through q spanned by n and v. Only the direction of the tangential part
-    /// of v counts; if that is zero, κ is NaN.
+    /// of v counts; if that is zero but for rounding, κ is NaN.
     fn normal_curvature(&self, q: &SVector<f64, D>, v: &SVector<f64, D>) -> f64 {
         let gradient = self.jacobian(q).transpose();
         let steepness = gradient.norm();
         let normal = gradient / steepness;
         let tangent = v - normal * normal.dot(v);
+        if tangent.norm() <= ROUNDING * v.norm() {
+            return f64::NAN; // what rounding has left of v has any direction
+        }
         self.jet(q, &tangent).2[0] / (steepness * tangent.norm_squared())
     }
 

@@ -31,7 +31,9 @@ pub struct Geodesic<const D: usize> {
 /// nearer by way of a third point, by up to 8 %; of 276 on a torus, none. Near a
 /// point conjugate to a, where many geodesics meet, as in the antipode of a sphere, the distance is as exact as
 /// elsewhere; a rounding of b turns the direction by more, the nearer it is. What is narrower than the points of the
-/// graph, such as the rim of a plate, can be missed: an error then. The distance from b to a is the same number.
+/// graph, such as the rim of a plate, can be missed: an error then. So can what leads over a sharp edge, which no
+/// geodesic is shot over: where a way drawn tight is shorter by 1 % than the shortest geodesic, and cannot be shot
+/// along, that is an error, too. The distance from b to a is the same number.
 ///
 /// ```
 /// use rattle::curvature::geodesic_distance;
@@ -47,8 +49,8 @@ pub struct Geodesic<const D: usize> {
 /// ```
 ///
 /// # Errors
-/// [`GeodesicError::NotOnSurface`] for a point off g = 0, [`GeodesicError::NotFound`] where no try ends at b: b may be
-/// on another part of the surface.
+/// [`GeodesicError::NotOnSurface`] for a point off g = 0, [`GeodesicError::NotFound`] where no try ends at b, or a
+/// shorter way was not followed to b: b may be on another part of the surface, or beyond an edge.
 #[doc(alias = "shortest path")]
 #[doc(alias = "arc length")]
 pub fn geodesic_distance<C: Constraint<D, 1>, const D: usize>(
@@ -87,12 +89,20 @@ fn between<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     {
         return Ok(shot);
     }
-    // By more than rounding, which would choose among several tries at one geodesic.
-    let found = straight.map_or(f64::INFINITY, |shot| shot.distance);
-    let others = detours(kernel, a, b).into_iter().filter_map(|way| along(kernel, &way));
-    let others = others.filter(|shot| shot.distance < (1.0 - SHORTER) * found);
-    let shortest = others.min_by(|one, other| one.distance.total_cmp(&other.distance));
-    let shortest = shortest.map_or(straight, Ok).map_err(|missed| not_found(&chord, missed))?;
+    let (mut shortest, mut lost) = (straight, f64::INFINITY);
+    for way in detours(kernel, a, b) {
+        // By more than rounding, which would choose among several tries at one geodesic.
+        let found = shortest.map_or(f64::INFINITY, |shot| shot.distance);
+        match along(kernel, &way) {
+            Ok(shot) if shot.distance < (1.0 - SHORTER) * found => shortest = Ok(shot),
+            Ok(_) => {}
+            Err(length) => lost = lost.min(length),
+        }
+    }
+    let shortest = shortest.map_err(|missed| not_found(&chord, missed))?;
+    if lost < (1.0 - CROOKED) * shortest.distance {
+        return Err(not_found(&chord, Missed { by: f64::INFINITY, length: lost, tries: 1 }));
+    }
     Ok(settled(kernel, a, &chord, shortest))
 }
 
@@ -102,8 +112,14 @@ fn not_found<const D: usize>(chord: &[f64; D], Missed { by, length: found, tries
 }
 
 /// The geodesic near a [way around](detours): its end is led along that way to b, as far each time as it can follow.
-fn along<K: ConstraintKernel<f64, D, 1>, const D: usize>(kernel: &K, way: &[[f64; D]]) -> Option<Shot<D>> {
-    let (a, last) = (way.first()?, way.len() - 1);
+///
+/// # Errors
+/// The length of the way, where its end is not led to b.
+fn along<K: ConstraintKernel<f64, D, 1>, const D: usize>(
+    kernel: &K,
+    way: &[[f64; D]],
+) -> Result<Shot<D>, f64> {
+    let (a, last) = (&way[0], way.len() - 1);
     let long = |pair: &[[f64; D]]| length(&add_scaled(&pair[1], -1.0, &pair[0]));
     let mut gone = vec![0.0];
     gone.extend(way.windows(2).map(long).scan(0.0, |sum, part| {
@@ -123,10 +139,10 @@ fn along<K: ConstraintKernel<f64, D, 1>, const D: usize>(kernel: &K, way: &[[f64
         let (chord, v) = (add_scaled(&way[next], -1.0, a), scaled(gone[next], &unit));
         let near = |shot: &Shot<D>| shot.distance <= LONGER * gone[next];
         match shoot_along(kernel, a, &chord, v).ok().filter(near) {
-            Some(shot) if next == last => return Some(shot),
+            Some(shot) if next == last => return Ok(shot),
             Some(shot) => (unit, at, ahead) = (shot.from, next, 2 * ahead),
             None if ahead > 1 => ahead /= 2,
-            None => return end(scaled(gone[last], &unit)),
+            None => return end(scaled(gone[last], &unit)).ok_or(gone[last]),
         }
     }
 }
@@ -140,6 +156,10 @@ const NOT_FAR: f64 = 1.02;
 
 /// Another geodesic is shorter if it is by this part.
 const SHORTER: f64 = 1e-9;
+
+/// A drawn way that no geodesic follows is shorter than a geodesic if it is by this part: it cuts corners, by up to 0.4
+/// % of itself at each edge of 90°.
+const CROOKED: f64 = 0.01;
 
 /// How far a place may be off the surface, as part of its largest coordinate.
 const NEAR: f64 = 1e-9;
@@ -166,18 +186,31 @@ pub enum GeodesicError {
     },
     /// No try ends at b.
     #[error(
-        "no geodesic found: the best of {tries} tries, of length {length:.3e}, misses the end of a chord of {chord:.3e} by \
-         {by:.3e}; the places may be on parts of the surface that do not hang together, or one beyond an edge that is \
-         too sharp to be followed, or b near a point conjugate to a, where many geodesics meet: move b a little"
+        "no geodesic found: {}; the places may be on parts of the surface that do not hang together, or one beyond an edge that is \
+         too sharp to be followed, or b near a point conjugate to a, where many geodesics meet: move b a little",
+        missed(*chord, *length, *by, *tries)
     )]
     NotFound {
         /// The straight distance.
         chord: f64,
-        /// The length of the best try.
+        /// The length of the best try, or of a way that was not followed to its end.
         length: f64,
-        /// Its distance from b at the end.
+        /// Its distance from b at the end; infinite where it was not followed to its end.
         by: f64,
         /// The number of tries.
         tries: usize,
     },
+}
+
+/// What was missed, in words.
+fn missed(chord: f64, length: f64, by: f64, tries: usize) -> String {
+    if by.is_finite() {
+        return format!(
+            "the best of {tries} tries, of length {length:.3e}, misses the end of a chord of {chord:.3e} by {by:.3e}"
+        );
+    }
+    format!(
+        "a way of length {length:.3e} to the end of a chord of {chord:.3e} was not followed to its end, since the \
+         surface has no normal on it, or bends too much or too often"
+    )
 }
