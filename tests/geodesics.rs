@@ -448,3 +448,48 @@ fn beyond_a_conjugate_point_ways_lead_aside() {
         assert!((found - near).abs() < 1e-13, "{found} {near}");
     }
 }
+
+/// Distances along another surface than that on which bodies are: refused at the start, and told. Other levels of the
+/// same function are right.
+#[test]
+fn distances_along_another_surface_are_refused() {
+    let sphere = Sphere { r: 1.0 };
+    let a = 0.6_f64;
+    let both = State::of([[0.0, 0.0, 1.0], [a.sin(), 0.0, a.cos()]]);
+    let around = State::of([[0.6, 0.0, 0.8], [0.0, 0.6, 0.8]]);
+    let scene = || Scene::on(sphere).bodies(2);
+    let soft = || Soft { strength: 3.0 }.within(3.0).shifted();
+    let method = Rattle::new(1e-3);
+    let told = |result: Result<(), rattle::Error>| {
+        let told = result.expect_err("refused").to_string();
+        assert!(told.contains("the surface on which bodies are"), "{told}");
+    };
+    let floor = rattle::surfaces::Plane { a: 0.0, b: 0.0, c: 1.0, d: 5.0 };
+    told(scene().with(soft().along(floor)).simulate(both.clone(), method).map(drop));
+    told(scene().with(soft().along_geodesics(floor)).simulate(both.clone(), method).map(drop));
+    // On the ellipsoid's level, and with another normal.
+    let long = Ellipsoid { a: 1.0, b: 1.0, c: 3.0 };
+    told(scene().with(soft().along(long)).simulate(around.clone(), method).map(drop));
+    told(scene().with(soft().along_geodesics(long)).simulate(around.clone(), method).map(drop));
+    told(scene().with(soft().along(long)).ensemble(vec![around.clone()], method).map(drop));
+    // Links have no normals here, but levels.
+    let linked = Scene::points(2).link(sphere, [[0], [1]]);
+    told(linked.clone().with(soft().along(floor)).simulate(both.clone(), method).map(drop));
+    told(linked.clone().with(soft().along_geodesics(floor)).simulate(both.clone(), method).map(drop));
+
+    // Spheres of any radius have the distances of this one; and bodies that do not meet are anywhere.
+    for r in [1.0, 0.3, 2.0] {
+        let right = |energy: f64| {
+            let exact = Soft { strength: 3.0 }.value(a) - Soft { strength: 3.0 }.value(3.0);
+            assert!((energy - exact).abs() < 5e-3, "{r}: {energy} {exact}"); // of the expansion
+        };
+        let other = Sphere { r };
+        right(scene().with(soft().along(other)).simulate(both.clone(), method).unwrap().energy());
+        right(scene().with(soft().along_geodesics(other)).simulate(both.clone(), method).unwrap().energy());
+        right(linked.clone().with(soft().along(other)).simulate(both.clone(), method).unwrap().energy());
+    }
+    let apart = Scene::points(3).link(sphere, [[0], [1]]).pin(2, [0.0, 0.0, 9.0]);
+    let three = State::of([[0.0, 0.0, 1.0], [a.sin(), 0.0, a.cos()], [0.0, 0.0, 9.0]]);
+    apart.clone().with(soft().along(sphere)).simulate(three.clone(), method).unwrap();
+    apart.with(soft().along_geodesics(sphere)).simulate(three, method).unwrap();
+}

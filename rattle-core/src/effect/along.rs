@@ -14,17 +14,18 @@
 //! The last term is linear in Δ and is summed over partners first, so that each body needs one product with ∇²g.
 
 use crate::effect::between_near::check_within;
+use crate::effect::interval::Interval;
 use crate::effect::moment::Moment;
 use crate::effect::neighbours::Neighbours;
 use crate::effect::one::{Acting, Effect};
-use crate::error::{Error, refuse_nan};
+use crate::error::{EffectMistake, Error, refuse_nan};
 use crate::kernel::cut_off::CutOff;
 use crate::kernel::functions::{Constraint, ConstraintKernel, PairKernel, PairPotential};
 use crate::kernel::space::Space;
 use crate::kernel::within::{Along, Within};
 use crate::number::lanes::Lane;
 use crate::number::real::{Mask, Real};
-use crate::number::vector::{add_scaled, dot, scaled};
+use crate::number::vector::{add_scaled, dot, largest, scaled};
 use std::array::from_fn;
 
 /// The kind of effect of every [`Along`]: a potential of distances along a surface.
@@ -65,6 +66,62 @@ impl<P: PairPotential, C: Constraint<D, 1>, B: Space<D>, const D: usize> Effect<
         refuse_nan(what, self.surface.nan_parameter())?;
         check_within(&self.within, FARTHER, what, bodies)
     }
+}
+
+/// How far bodies may be off one level of g, as part of the largest coordinate or the reach: what starts may be off.
+const NEAR: f64 = 1e-9;
+/// The sine of the angle by which the normal of g may differ from that of the surface on which a body is.
+const ALIKE: f64 = 1e-6;
+
+/// Checks that distances along g = 0 are distances along the surface on which bodies are: bodies within reach of each
+/// other are on one level of g, and where each is on a surface, the normals of the two are the same. Other levels than
+/// 0 serve: nothing but derivatives of g is asked for.
+///
+/// # Errors
+/// [`EffectMistake::NotAlong`].
+pub(crate) fn along_its_surface<T: Real, B: Space<D>, const D: usize>(
+    during: &Interval<'_, T, D>,
+    space: &B,
+    slope: impl Fn(usize) -> (f64, [f64; D]),
+    near: impl Fn(&[f64; D], [[f64; D]; 2]) -> bool,
+    reach: f64,
+) -> Result<(), EffectMistake> {
+    let Some(positions) = T::doubles(during.at.positions) else { return Ok(()) };
+    let mut levels = Vec::with_capacity(positions.len());
+    for body in 0..positions.len() {
+        let (level, gradient) = slope(body);
+        let steep = dot(&gradient, &gradient).sqrt();
+        let normal = gradient.map(|x| x / steep);
+        if let Some(surface) = during.surface {
+            let of_body = surface.normal(body).map(number);
+            let across = add_scaled(&normal, -dot(&normal, &of_body), &of_body);
+            let sine = dot(&across, &across).sqrt();
+            if sine > ALIKE {
+                return Err(EffectMistake::NotAlong { body, other: None, off: sine });
+            }
+        }
+        levels.push((level, steep, normal));
+    }
+    let apart = |i: usize, j: usize| (levels[i].0 - levels[j].0).abs() / levels[i].1.max(levels[j].1);
+    let allowed = |i: usize, j: usize| NEAR * largest(&positions[i]).max(largest(&positions[j])).max(reach);
+    let off = |i: usize, j: usize| {
+        let way = space.apart(&positions[j], &positions[i]);
+        apart(i, j) > allowed(i, j) && near(&way, [levels[i].2, levels[j].2])
+    };
+    for i in 1..positions.len() {
+        // Most are on the level of the first one: pairs are tried for others alone.
+        if apart(i, 0) > 0.1 * allowed(i, 0)
+            && let Some(j) = (0..positions.len()).find(|&j| j != i && off(i, j))
+        {
+            return Err(EffectMistake::NotAlong { body: i, other: Some(j), off: apart(i, j) });
+        }
+    }
+    Ok(())
+}
+
+/// A number of one lane.
+fn number<T: Real>(x: T) -> f64 {
+    x.lanes().next().unwrap_or(f64::NAN)
 }
 
 /// Memory for the list of near pairs, and for the normals and other quantities of each body.
@@ -140,6 +197,7 @@ where
     B: Space<D>,
 {
     type Room = Upright<T, D>;
+    const LOOKS: bool = true;
     fn room(&self, bodies: usize) -> Upright<T, D> {
         let zero = T::from_f64(0.0);
         Upright {
@@ -147,6 +205,18 @@ where
             normals: vec![([zero; D], zero); bodies],
             turns: vec![[zero; D]; bodies],
         }
+    }
+
+    fn fits(&self, during: &Interval<'_, T, D>) -> Result<(), EffectMistake> {
+        let slope = |body: usize| {
+            let ([value], [gradient]) = self.surface.value_and_jacobian(&during.at.positions[body]);
+            (number(value), gradient.map(number))
+        };
+        let near = |way: &[f64; D], normals: [[f64; D]; 2]| {
+            let rises = normals.map(|normal| dot(&normal, way));
+            dot(way, way) - rises[0] * rises[1] / 3.0 < self.reach * self.reach
+        };
+        along_its_surface(during, &self.space, slope, near, self.reach)
     }
 
     fn add_forces(&self, at: Moment<'_, T, D>, room: &mut Upright<T, D>, forces: &mut [[T; D]]) {

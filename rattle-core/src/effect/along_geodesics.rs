@@ -8,11 +8,13 @@
 //! exactly as the distance is known: to rounding. Each pair within reach takes some 30 µs for
 //! [shooting](crate::kernel::geodesic): for few bodies, or to compare with the [expansion](crate::effect::along).
 
+use crate::effect::along::along_its_surface;
 use crate::effect::between_near::check_within;
+use crate::effect::interval::Interval;
 use crate::effect::moment::Moment;
 use crate::effect::neighbours::Neighbours;
 use crate::effect::one::{Acting, Effect};
-use crate::error::{Error, refuse_nan};
+use crate::error::{EffectMistake, Error, refuse_nan};
 use crate::kernel::cut_off::CutOff;
 use crate::kernel::functions::{Constraint, ConstraintKernel, PairKernel, PairPotential};
 use crate::kernel::geodesic::{Shot, shoot};
@@ -130,8 +132,19 @@ where
     B: Space<D>,
 {
     type Room = Neighbours<D>;
+    const LOOKS: bool = true;
     fn room(&self, bodies: usize) -> Neighbours<D> {
         Neighbours::new(bodies)
+    }
+
+    fn fits(&self, during: &Interval<'_, T, D>) -> Result<(), EffectMistake> {
+        let Some(positions) = T::doubles(during.at.positions) else { return Ok(()) };
+        let slope = |body: usize| {
+            let ([value], [gradient]) = self.surface.value_and_jacobian(&positions[body]);
+            (value, gradient)
+        };
+        let near = |way: &[f64; D], _| dot(way, way) < self.reach * self.reach;
+        along_its_surface(during, &self.space, slope, near, self.reach)
     }
 
     fn add_forces(&self, at: Moment<'_, T, D>, room: &mut Neighbours<D>, forces: &mut [[T; D]]) {

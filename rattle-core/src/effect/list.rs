@@ -50,6 +50,8 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     const EFFECTS: usize;
     /// Whether one of the effects has a [memory](Acting::REMEMBERS).
     const REMEMBERS: bool;
+    /// Whether one of the effects [looks](Acting::LOOKS) at the bodies before a run.
+    const LOOKS: bool = false;
     /// Whether all flows are [pushes](Acting::PUSHES).
     const PUSHES: bool;
     /// Whether the force on each body is independent of the other bodies, see [`Acting::ON_EACH`].
@@ -70,6 +72,13 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         _during: &Interval<'_, T, D>,
         _marks: &mut [T],
     ) -> Result<(), (&'static str, EffectMistake)> {
+        Ok(())
+    }
+    /// Checks that the effects can act on these bodies, at the start of a run.
+    ///
+    /// # Errors
+    /// That of the first effect that cannot, with the name of its type.
+    fn fits(&self, _during: &Interval<'_, T, D>) -> Result<(), (&'static str, EffectMistake)> {
         Ok(())
     }
     /// Lets flow number `number` update its memory, see [`Acting::take_note`].
@@ -257,6 +266,7 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     const FLOWS: usize = F::FLOWS + A::FLOWS as usize;
     const EFFECTS: usize = F::EFFECTS + 1;
     const REMEMBERS: bool = F::REMEMBERS || A::REMEMBERS;
+    const LOOKS: bool = F::LOOKS || A::LOOKS;
     const PUSHES: bool = F::PUSHES && (A::PUSHES || !A::FLOWS);
     const ON_EACH: bool = F::ON_EACH && A::ON_EACH;
     fn room(&self, bodies: usize) -> Self::Room {
@@ -275,6 +285,10 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
         self.others.first_marks(during, others)?;
         let noise = Noise { effect: F::FLOWS as u64, ..during.noise };
         self.effect.first_marks(&Interval { noise, ..*during }, own).map_err(|mistake| (self.name, mistake))
+    }
+    fn fits(&self, during: &Interval<'_, T, D>) -> Result<(), (&'static str, EffectMistake)> {
+        self.others.fits(during)?;
+        self.effect.fits(during).map_err(|mistake| (self.name, mistake))
     }
     fn take_note(&self, number: usize, during: &Interval<'_, T, D>, marks: &mut [T]) {
         let (others, own) = marks.split_at_mut(self.others.marks(during.at.positions.len()));

@@ -119,6 +119,15 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn first_marks(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) -> Result<(), EffectMistake> {
         Ok(())
     }
+    /// Whether [`fits`](Self::fits) has anything to check.
+    const LOOKS: bool = false;
+    /// Checks that the effect can act on these bodies, at the start of a run.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    fn fits(&self, _during: &Interval<'_, T, D>) -> Result<(), EffectMistake> {
+        Ok(())
+    }
     /// Updates the memory `marks`, which the interval does not hold here, as a time h passes at the present positions.
     /// Called before each flow that precedes a step, and after each flow that follows it. Neither allocates nor panics.
     fn take_note(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) {}

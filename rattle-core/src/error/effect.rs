@@ -38,6 +38,16 @@ pub enum EffectMistake {
         "its energy is NaN at the start; check the start and the parameters against the potential's domain"
     )]
     NoEnergy,
+    /// Distances along a surface, and bodies are on another.
+    #[error("{}", not_along(*body, *other, *off))]
+    NotAlong {
+        /// Which body.
+        body: usize,
+        /// Another body that is near, where the two are not on one level of g.
+        other: Option<usize>,
+        /// How far they are apart across the surface; without another body the sine of the angle between the normals.
+        off: f64,
+    },
     /// A heading is normal to the surface.
     #[error("the heading {heading:?} of body {body} has no part along the surface")]
     NoHeading {
@@ -63,6 +73,17 @@ pub enum EffectMistake {
         "what is random is not undone by a step of −h: a positive step size is needed, and no check of reversal"
     )]
     NoWayBack,
+}
+
+/// What [`EffectMistake::NotAlong`] says.
+fn not_along(body: usize, other: Option<usize>, off: f64) -> String {
+    let asked = "distances along a surface are those of the surface on which bodies are: give it that one";
+    match other {
+        Some(other) => {
+            format!("bodies {body} and {other} are {off:.1e} apart across the levels of its surface; {asked}")
+        }
+        None => format!("the normal at body {body} is off from that of its surface by {off:.1e}; {asked}"),
+    }
 }
 
 impl EffectMistake {

@@ -140,7 +140,8 @@ impl<P, B> Within<P, B> {
     /// The same with distances along the surface on which the bodies move, instead of straight ones. Distances are
     /// computed to the next order in the curvature, see [`effect::along`](crate::effect::along): use this for a reach
     /// below about a third of the radii of curvature. Bodies that are near through space but far along the surface
-    /// still interact, so other parts of the surface must be farther away than the reach.
+    /// still interact, so other parts of the surface must be farther away than the reach. A start is refused where
+    /// bodies are not along the surface: on its g = 0, or on one other level of g that is the surface of the scene.
     ///
     /// ```
     /// use rattle::potentials::LennardJones;
@@ -164,7 +165,8 @@ impl<P, B> Within<P, B> {
     /// injectivity radius of the surface (on a sphere, 0.8 of it). Beyond that a longer geodesic may be found than the
     /// shortest, and the pair be taken for one out of reach (see `curvature::geodesic_distance`). Each pair within
     /// reach takes 30 µs. Where no geodesic is found, as between parts of the surface that are near only through space,
-    /// the force is NaN, and the step or the start is refused.
+    /// the force is NaN, and the step or the start is refused; a start also where bodies are not along the surface, as
+    /// for [`along`](Self::along).
     ///
     /// ```
     /// use rattle::potentials::LennardJones;

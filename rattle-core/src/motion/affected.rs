@@ -113,6 +113,15 @@ pub trait Affected<T: Scalar, const D: usize>: Parts<T, D> {
         Ok(())
     }
 
+    /// Checks that effects can act on these bodies, at the start of a run.
+    ///
+    /// # Errors
+    /// The name of the type of an effect that cannot, and why.
+    fn fits(&self, bodies: &mut BodiesOf<Self, T, D>) -> Result<(), (&'static str, EffectMistake)> {
+        let given = Given::of(0.0, true, bodies.noise);
+        self.show(given, bodies, |effects, during, _| effects.fits(during))
+    }
+
     /// The memory of the effects at the start of a run, at the present positions and random numbers.
     ///
     /// # Errors

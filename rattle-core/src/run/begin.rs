@@ -106,11 +106,15 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         if method.step_size() < 0.0 {
             no_way_back(&system)?;
         }
+        let refused = |(effect, mistake)| Error::Effect { effect, mistake };
+        if const { <E::Forces<f64> as Forces<f64, D>>::LOOKS } {
+            system.fits(&mut bodies_at(&system, start)).map_err(refused)?;
+        }
         self.check_forces(&start.bodies, start.time)?;
         self.check_energy(&start.bodies, start.time)?;
         if const { <C::System<E, N> as Parts<f64, D>>::MOMENTA < D } {
             let checked = system.check_flows(method.step_size(), &bodies_at(&system, start));
-            checked.map_err(|(effect, mistake)| Error::Effect { effect, mistake })?;
+            checked.map_err(refused)?;
         }
         Ok(system)
     }
