@@ -6,10 +6,12 @@
 //!
 //! The rule is symmetric, and stable for friction of any stiffness. Friction c with h c/m > 4 turns a velocity round in
 //! each half instead of taking it away: steps need to be shorter, or the friction a
-//! [`LinearDrag`](crate::effect::LinearDrag), which is exact. Newton's method solves it with ∂f/∂v from the
-//! macro; corrections are halved until the residual falls. Where f does not depend on v, or v does no more than choose
-//! between forces, δ = h f(q, v, t). Members that share a body act one after the other for h/2 each, in this order and
-//! then in the opposite one.
+//! [`LinearDrag`](crate::effect::LinearDrag), which alone is exact. Where f jumps with v, as −sign(v) does, steps are
+//! of first order, and what should stick creeps at a speed of some h/2 times c/m: see
+//! [`DryFriction`](crate::effect::DryFriction). Newton's method solves the rule with ∂f/∂v from the macro; corrections
+//! are halved until the residual falls. Where f does not depend on v, or v does no more than choose between forces, δ =
+//! h f(q, v, t). Members that share a body act one after the other for h/2 each, in this order and then in the opposite
+//! one.
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, II.5.
 

@@ -19,7 +19,9 @@ pub(crate) fn halves(seed: u64) -> [f64; 2] {
 /// [`State::numbered`](crate::motion::state::State::numbered). `step` counts from the first start, across restarts.
 /// `effect` is the number of the flow in its scene; for momenta that a method draws itself, as
 /// [`Brownian`](crate::methods::brownian::Brownian) does, it is 2⁶⁴ − 1, so that the seeds of a method and of a flow
-/// may be equal. The words are those of NumPy's `Philox`.
+/// may be equal. The words are those of NumPy's `Philox` with the counter one less, since NumPy counts before
+/// it draws: those of `Philox(key=seed, counter=[trajectory - 1, step, effect, draw])`, and for trajectory 0 one less
+/// as a number of 256 bits, of which the first word is the lowest.
 #[doc(alias = "random number generator")]
 #[doc(alias = "rng")]
 #[doc(alias = "Philox")]

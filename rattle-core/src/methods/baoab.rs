@@ -20,6 +20,10 @@
 //! | 0.2 | 1.5e-3 | 1.0e-3 | 4.3e-3 |
 //! | 0.3 | 2.8e-3 | 1.6e-3 | 9.8e-3 |
 //!
+//! Averages over positions say nothing of ways: where steps do not resolve the friction γ, bodies drift and diffuse x
+//! coth x times as fast as they should, x = h γ/2 (1.08 at h γ = 1, 5 at 10), by `Rattle` too. Overdamped motion is
+//! [`Brownian`](crate::methods::brownian::Brownian).
+//!
 //! Without flows of momenta it is a symmetric, symplectic method of second order. With random flows a step of −h does
 //! not undo a step of h, so it cannot be composed.
 //!

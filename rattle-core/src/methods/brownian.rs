@@ -6,8 +6,8 @@
 //! ```
 //!
 //! This is the limit of [`Langevin`](crate::effect::Langevin) dynamics for large friction γ, with steps that need not
-//! resolve 1/γ. Positions have the density exp(−U/kT) over the surface, to first order in h; the diffusion constant is
-//! D = kT/(γm).
+//! resolve 1/γ. Positions have the density exp(−U/kT) with respect to the area of the surface in the metric of the
+//! masses, to first order in h; the diffusion constant is D = kT/(γm).
 //!
 //! Source: G. Ciccotti, T. Lelièvre, E. Vanden-Eijnden, Comm. Pure Appl. Math. 61 (2008) 371.
 
