@@ -11,3 +11,5 @@ mod price;
 mod priced;
 #[path = "../wishes.rs"]
 mod wishes;
+#[path = "../wishes_work.rs"]
+mod wishes_work;

@@ -168,7 +168,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.events.as_ref().map_or(0, |events| events.number)
     }
 
-    /// The energy now minus the energy at the start minus the [work](Self::work) done: the energy error of the method.
+    /// The energy now minus the energy at the start minus the [work](Self::work) done: the energy error of the method,
+    /// where nothing does work. Where something does, energy and work may be off by the same, which cancels here:
+    /// [`estimate_error`](Self::estimate_error) compares energies with those of other runs.
     ///
     /// For an effect of your own that changes with time, the work is included if the effect implements
     /// [`power`](crate::effect::Acting::power). Where a potential jumps at an instant, U(q, t⁺) − U(q, t⁻) is part of

@@ -81,8 +81,10 @@ pub(super) struct Path {
     pub(super) per_look: u64,
     /// Positions at each sight.
     pub(super) positions: Vec<Vec<f64>>,
-    /// The largest error of the energy up to each sight.
+    /// The largest change of the energy beside the work done, up to each sight.
     pub(super) energy: Vec<f64>,
+    /// The energy at each sight, where something does [work](Movable::works).
+    pub(super) energies: Vec<f64>,
     /// What is observed, at the start, and at each sight.
     pub(super) first: Vec<f64>,
     pub(super) observed: Vec<Vec<f64>>,
@@ -151,6 +153,7 @@ impl Runner<'_> {
                 self.look_at_clock()?;
             }
             path.energy.push(energy);
+            path.energies.extend(self.scene.works().then(|| moving.energy()));
             path.positions.push(moving.positions());
             path.observed.push(moving.observed());
             path.largest_momentum = path.largest_momentum.max(moving.largest_momentum());
@@ -196,7 +199,7 @@ impl Runner<'_> {
 }
 
 /// The larger one; NaN if one is.
-fn larger(a: f64, b: f64) -> f64 {
+pub(super) fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
@@ -209,19 +212,40 @@ fn gcd(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
+/// The sights that both paths have, by their numbers on the one and on the other.
+fn in_common(a: &Path, b: &Path) -> impl Iterator<Item = (usize, usize)> {
+    let common = gcd(a.per_look, b.per_look);
+    let every = |path: &'_ Path| (path.per_look / common).max(1) as usize;
+    let (mine, theirs) = (every(a), every(b));
+    let all = |path: &'_ Path, every: usize| (every - 1..path.positions.len()).step_by(every);
+    zip(all(a, mine), all(b, theirs))
+}
+
 /// At each sight that both paths have, how far the body is that is farthest from where it is on the other path.
 pub(super) fn distances(a: &Path, b: &Path, dimension: usize) -> Vec<f64> {
-    let at = |(a, b): (&Vec<f64>, &Vec<f64>)| {
-        let bodies = zip(a.chunks(dimension), b.chunks(dimension));
+    let at = |(i, j): (usize, usize)| {
+        let bodies = zip(a.positions[i].chunks(dimension), b.positions[j].chunks(dimension));
         bodies.fold(0.0, |most, (a, b)| {
             let square: f64 = zip(a, b).map(|(a, b)| (a - b) * (a - b)).sum();
             larger(square.sqrt(), most)
         })
     };
-    let common = gcd(a.per_look, b.per_look);
-    let sights = |path: &'_ Path| (path.per_look / common).max(1) as usize;
-    let (mine, theirs) = (sights(a), sights(b));
-    let both =
-        zip(a.positions[mine - 1..].iter().step_by(mine), b.positions[theirs - 1..].iter().step_by(theirs));
-    both.map(at).collect()
+    in_common(a, b).map(at).collect()
+}
+
+/// At each sight that both paths have, by how much the energy differs; nothing where nothing does work.
+pub(super) fn energies_apart(a: &Path, b: &Path) -> Vec<f64> {
+    let at = |(i, j): (usize, usize)| Some((a.energies.get(i)? - b.energies.get(j)?).abs());
+    in_common(a, b).filter_map(at).collect()
+}
+
+/// At each sight that both paths have, by how much the average until then of this number of those observed differs: a
+/// sum over the same instants on both, so by what the states are off alone.
+pub(super) fn averages_apart(a: &Path, b: &Path, number: usize) -> Vec<f64> {
+    let mut sum = 0.0;
+    let at = |(count, (i, j)): (usize, (usize, usize))| {
+        sum += a.observed[i][number] - b.observed[j][number];
+        (sum / (count + 1) as f64).abs()
+    };
+    in_common(a, b).enumerate().map(at).collect()
 }

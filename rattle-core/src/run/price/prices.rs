@@ -17,6 +17,10 @@ pub struct Prices {
     pub reference: [Candidate; 2],
     /// The largest distance between the two reference motions, a length: smaller errors of position cannot be measured.
     pub reference_error: f64,
+    /// The largest difference of energy between the two reference motions, where forces or constraints change with time
+    /// or flows act on momenta: smaller errors of the energy cannot be measured. `None` where the exact motion keeps
+    /// the energy.
+    pub reference_energy_error: Option<f64>,
     /// The size to which a rounding error in the start grows on the pilot interval, a length.
     pub rounding: f64,
     /// The largest distance of a body from its start, a length.
@@ -50,6 +54,10 @@ pub(super) struct Longer {
     pub(super) duration: f64,
     pub(super) pilot: f64,
     pub(super) lyapunov_time: Option<f64>,
+    /// Whether positions can be told on all of the pilot.
+    pub(super) told: bool,
+    /// Whether something does [work](crate::run::price::moving::Movable::works).
+    pub(super) works: bool,
 }
 
 impl Longer {
@@ -60,13 +68,33 @@ impl Longer {
             return 1.0;
         }
         let [position, energy] = price.growth;
+        // The energy of what works is as exact as the motion is.
+        let of_motion = |exponent: f64| match self.lyapunov_time {
+            Some(time) => ((self.duration - self.pilot) / time).exp(),
+            None => times.powf(exponent.clamp(1.0, 2.0)),
+        };
         UNSTEADY
-            * match (what, self.lyapunov_time) {
-                (Quantity::Position, Some(time)) => ((self.duration - self.pilot) / time).exp(),
-                (Quantity::Position, None) => times.powf(position.clamp(1.0, 2.0)),
-                (Quantity::Energy, _) => times.powf(energy.clamp(0.0, 1.0)),
-                (Quantity::Average(_), _) => 1.0,
+            * match what {
+                Quantity::Position => of_motion(position),
+                Quantity::Energy if self.works => of_motion(energy),
+                Quantity::Energy => times.powf(energy.clamp(0.0, 1.0)),
+                // Of chaotic motion, averages are what statistics make them.
+                Quantity::Average(_) if !self.told || self.lyapunov_time.is_some() => 1.0,
+                Quantity::Average(number) => self.of_average(price, number, times),
             }
+    }
+}
+
+impl Longer {
+    /// The same of an average: what the rule that takes it is off by does not grow. What it is off by as the states are
+    /// grows as it did on the pilot, and no slower than time, since a short pilot does not tell a trend from a swing.
+    fn of_average(self, price: &Price, number: usize, times: f64) -> f64 {
+        let (Some(&[off, exponent]), Some(&error)) = (price.drifts.get(number), price.averages.get(number))
+        else {
+            return 1.0;
+        };
+        let more = off * (times.powf(exponent.clamp(1.0, 2.0)) - 1.0);
+        if more > 0.0 { 1.0 + more / error } else { 1.0 }
     }
 }
 
@@ -97,11 +125,17 @@ pub struct Price {
     /// longest that RATTLE can take; `None` if that is before the first sampled time.
     pub position: Option<f64>,
     /// The largest error of the energy after any step, or after every n-th where steps are much shorter than
-    /// the longest that RATTLE can take; in its unit.
+    /// the longest that RATTLE can take; in its unit. It is the change of the energy or, where forces or constraints
+    /// change with time or flows act on momenta, how far the energy is off that of the reference. Beyond
+    /// [`positions_until`](Prices::positions_until) the latter cannot be told, and the change beside the work done
+    /// counts.
     pub energy: f64,
     /// Errors of the averages over the steps of the run, by the trapezoidal rule, each in the unit of the observable;
     /// never less than what the averages of the reference are uncertain by.
     pub averages: Vec<f64>,
+    /// For each average, by how much states that are off put it off, whatever the rule that takes it, and the exponent
+    /// a with which that grew with time, like tᵃ.
+    pub drifts: Vec<[f64; 2]>,
     /// The exponents a with which the errors of position and of energy grew with time, like tᵃ.
     pub growth: [f64; 2],
     /// Seconds for each unit of simulated time, of one trajectory: the median of repeats.
@@ -227,6 +261,15 @@ impl Prices {
         self.rows.iter().filter(|row| row.method == method).collect()
     }
 
+    /// Whether the error of this can be told no longer than positions can.
+    pub(super) fn needs_positions(&self, what: Quantity) -> bool {
+        match what {
+            Quantity::Position => true,
+            Quantity::Energy => self.reference_energy_error.is_some(),
+            Quantity::Average(_) => false,
+        }
+    }
+
     /// What errors are compared by.
     pub(super) fn quantity(&self) -> Quantity {
         if self.tells_positions() { Quantity::Position } else { Quantity::Energy }
@@ -241,8 +284,9 @@ impl Prices {
 
     /// By what factor an error on the pilot interval is larger at the end of the whole run, at most.
     pub(super) fn grown(&self, price: &Price, what: Quantity) -> f64 {
-        let Self { duration, pilot, lyapunov_time, .. } = *self;
-        Longer { duration, pilot, lyapunov_time }.grown(price, what)
+        let Self { duration, pilot, lyapunov_time, reference_energy_error: off, .. } = *self;
+        let (told, works) = (self.tells_positions(), off.is_some());
+        Longer { duration, pilot, lyapunov_time, told, works }.grown(price, what)
     }
 
     /// Marks the rows that nothing cheaper is as exact as: one by one, and in lanes.

@@ -1,8 +1,9 @@
 //! The measurement: its settings, and series of step sizes for all methods.
 
-use crate::effect::list::Effects;
+use crate::effect::list::{Effects, Forces};
 use crate::error::{Error, PriceMistake};
 use crate::methods::rattle::Rattle;
+use crate::motion::affected::Affected;
 use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
 use crate::motion::state::State;
@@ -12,7 +13,7 @@ use crate::run::price::beside::{Beside, ensemble};
 use crate::run::price::candidate::Candidate;
 use crate::run::price::chaos::Chaos;
 use crate::run::price::clock::Clock;
-use crate::run::price::ladder::{Pilot, Runner, Stop, distances, largest};
+use crate::run::price::ladder::{Pilot, Runner, Stop, averages_apart, distances, energies_apart, largest};
 use crate::run::price::moving::{Movable, Rung};
 use crate::run::price::prices::{Average, Longer, Price, Prices, Quantity, Refused};
 use crate::run::price::reference::{Reference, most, pilot, runner_size};
@@ -124,7 +125,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
     /// precision (on surfaces) and with compensated sums. Rows [in lanes](Candidate::InLanes) tell the error of the
     /// trajectory from the start and the cost of one of all trajectories.
     ///
-    /// The energy of such a row is compared with that at the start and the work done since; averages are not told.
+    /// Averages of such a row are not told.
     ///
     /// ```
     /// # use rattle::{potentials::Gravity, surfaces::Torus, Scene, State};
@@ -163,25 +164,26 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
     /// Those of [`Scene::simulate`]; that of a failed step, if every method failed; [`Error::Price`] for a duration or
     /// budget that is not positive, a budget too short for a reference, and random forces.
     pub fn measure(mut self) -> Result<Prices, Error> {
-        refuse_random(self.scene, self.start, self.duration)?;
+        let works = priced(self.scene, self.start, self.duration)?;
         let beside = self.beside.take();
-        let set = Set { scene: self.scene, start: self.start, observed: &self.observed, beside };
+        let set = Set { scene: self.scene, start: self.start, observed: &self.observed, beside, works };
         let mut tell = self.progress.take().unwrap_or_else(|| Box::new(|_| {}));
         measure(&set, self.duration, &self.allowance, None, &mut *tell).map(|measured| measured.prices)
     }
 }
 
-/// Refuses a start that cannot be simulated, and effects that are random.
-pub(super) fn refuse_random<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
+/// Refuses a start that cannot be simulated, and effects that are random; says whether something does
+/// [work](Movable::works).
+pub(super) fn priced<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     scene: &Scene<C, E, N, D>,
     start: &State<D>,
     duration: f64,
-) -> Result<(), Error> {
+) -> Result<bool, Error> {
     positive("duration", duration)?;
     let system = scene.ready(start, &Rattle::new(duration))?;
     match random(&system) {
         Some(effect) => Err(Error::Price(PriceMistake::Random { effect })),
-        None => Ok(()),
+        None => Ok(E::Forces::<f64>::FLOWS > 0 || system.moves_with_time()),
     }
 }
 
@@ -292,7 +294,8 @@ pub(super) fn measure(
     tell();
 
     let (mut rows, mut refused) = (Vec::new(), Vec::new());
-    let longer = Longer { duration, pilot: pilot.length, lyapunov_time: chaos.lyapunov_time };
+    let (lyapunov_time, told) = (chaos.lyapunov_time, pilot.told == pilot.looks as usize);
+    let longer = Longer { duration, pilot: pilot.length, lyapunov_time, told, works: scene.works() };
     let aim = aim.map(|aim| (aim, longer));
     let mut to_climb = Climb { pilot: &pilot, reference: &reference, aim, least: f64::INFINITY };
     let mut methods = Candidate::ALL.to_vec();
@@ -326,6 +329,7 @@ pub(super) fn measure(
         pilot: pilot.length,
         reference: [reference.candidate, reference.second],
         reference_error: reference.error,
+        reference_energy_error: scene.works().then_some(reference.energy_error),
         rounding: chaos.floor,
         way: reference.way,
         lyapunov_time: chaos.lyapunov_time,
@@ -433,10 +437,30 @@ pub(super) fn price(
     // What interrupts a run makes it longer, never shorter.
     let (seconds, spread) =
         timed.map_or((path.seconds, 1.0), |(median, spread)| (median.min(path.seconds), spread));
-    let distances = distances(&path, &reference.path, runner.scene.dimension());
+    let mut distances = distances(&path, &reference.path, runner.scene.dimension());
+    let mut energies = energies_apart(&path, &reference.path);
+    if runner.scene.flows() {
+        // Half of a flow before a step and half after it is the same by every method: what the reference is off by is
+        // not seen in these differences.
+        distances.iter_mut().for_each(|off| *off += reference.error);
+        energies.iter_mut().for_each(|off| *off += reference.energy_error);
+    }
     let lanes = rung.candidate.is_in_lanes();
-    let energy = most(&path.energy);
-    let averages = if lanes { vec![f64::NAN; reference.averages.len()] } else { path.averages };
+    let energies = pilot.told(&energies);
+    let (energy, energies) = if pilot.told == pilot.looks as usize && runner.scene.works() {
+        (most(energies), energies)
+    } else if energies.is_empty() {
+        (most(&path.energy), &path.energy[..])
+    } else {
+        (largest(most(energies), most(&path.energy)), energies)
+    };
+    let drift = |i| {
+        let off = averages_apart(&path, &reference.path, i);
+        [most(&off), growth(&off)]
+    };
+    let drifts = (0..path.averages.len()).map(drift).collect();
+    let energy_growth = growth(energies);
+    let averages = if lanes { vec![f64::NAN; reference.averages.len()] } else { path.averages.clone() };
     let known = zip(&reference.averages, &reference.averages_off);
     let off = |(a, (b, least)): (f64, (&f64, &f64))| largest(*least, (a - b).abs());
     let price = Price {
@@ -446,7 +470,8 @@ pub(super) fn price(
         position: (pilot.told > 0).then(|| most(pilot.told(&distances))),
         energy,
         averages: zip(averages, known).map(off).collect(),
-        growth: [growth(pilot.told(&distances)), growth(&path.energy)],
+        drifts,
+        growth: [growth(pilot.told(&distances)), energy_growth],
         seconds: seconds / pilot.length / runner.trajectories(rung.candidate) as f64,
         spread,
         steps: steps * pilot.looks,

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::methods::composition::{KAHAN_LI_1997_ORDER_8, SOFRONIOU_SPALETTA_2005_ORDER_10};
 use crate::run::price::candidate::Candidate;
-use crate::run::price::ladder::{Path, Pilot, Runner, Stop, distances};
+use crate::run::price::ladder::{Path, Pilot, Runner, Stop, distances, energies_apart, larger};
 use crate::run::price::moving::Rung;
 use std::iter::zip;
 
@@ -43,8 +43,10 @@ pub(super) struct Reference {
     /// Steps from look to look, and their size.
     steps: u64,
     rung: Rung,
-    /// The largest difference of the two, of a position.
+    /// The largest difference of the two, of a position and, where something does work, of the energy. Where flows act,
+    /// which put both off alike, at least what they put the motion off by.
     pub(super) error: f64,
+    pub(super) energy_error: f64,
     /// Averages over the time of the pilot, and to what they are known.
     pub(super) averages: Vec<f64>,
     pub(super) averages_off: Vec<f64>,
@@ -144,14 +146,32 @@ impl Reference {
         let Some((j, i)) = pairs.min_by(|a, b| apart(a).total_cmp(&apart(b))) else {
             return Err(failed.filter(|_| !late).map_or(Stop::Late, Stop::Failed));
         };
-        let error = apart(&(j, i));
+        let mut error = apart(&(j, i));
+        let energies = |a: &Path, b: &Path| most(pilot.told(&energies_apart(a, b)));
+        let mut energy_error = energies(&found[j].path, &found[i].path);
         let second = found[i].rung.candidate;
+        if runner.scene.flows() {
+            let (twice, part) = longer(runner, pilot, &found[j])?;
+            error = larger(error, part * most(pilot.told(&distances(&found[j].path, &twice, dimension))));
+            energy_error = larger(energy_error, part * energies(&found[j].path, &twice));
+        }
         let Finest { path, steps, rung } = found.swap_remove(j);
         let at_start = vec![start(runner, pilot)?; path.positions.len()];
         let start = Path { positions: at_start, per_look: path.per_look, ..Path::default() };
         let way = most(&distances(&path, &start, dimension));
         let (averages, averages_off) = (path.averages.clone(), vec![0.0; path.averages.len()]);
-        Ok(Self { candidate: rung.candidate, second, path, steps, rung, error, averages, averages_off, way })
+        Ok(Self {
+            candidate: rung.candidate,
+            second,
+            path,
+            steps,
+            rung,
+            error,
+            energy_error,
+            averages,
+            averages_off,
+            way,
+        })
     }
 
     /// Finds the averages with ever shorter steps, until they change by `enough` or by rounding alone, or there is no
@@ -263,6 +283,18 @@ fn finest(
         before = apart;
         (steps, rung.h) = (2 * steps, 0.5 * rung.h);
     }
+}
+
+/// A path with steps that are some times as long, and the part of its distance that the errors of the second order make
+/// of the shorter ones: with twice the step a third. An odd number of steps is compared with twice as many.
+fn longer(runner: &Runner<'_>, pilot: &Pilot, of: &Finest) -> Result<(Path, f64), Stop> {
+    let even = of.steps.is_multiple_of(2);
+    let (steps, times, part) =
+        if even { (of.steps / 2, 2.0, 1.0 / 3.0) } else { (2 * of.steps, 0.5, 4.0 / 3.0) };
+    // However little time is left: what nobody knows the error of is no reference.
+    let deadline = runner.deadline.max(runner.clock.now() + 4.0 * of.path.seconds);
+    let runner = Runner { deadline, ..*runner };
+    Ok((runner.path(pilot, steps, Rung { h: times * of.rung.h, ..of.rung })?, part))
 }
 
 /// Whether two paths differ by rounding alone, or by little more.

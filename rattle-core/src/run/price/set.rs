@@ -21,6 +21,8 @@ pub(super) struct Set<'a, C, E, N, const D: usize> {
     pub(super) start: &'a State<D>,
     pub(super) observed: &'a [Observed<'a, D>],
     pub(super) beside: Option<Beside<C, E, N, D>>,
+    /// As [`Movable::works`].
+    pub(super) works: bool,
 }
 
 struct Observing<'a, const D: usize> {
@@ -52,6 +54,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Movable for Set<'_, C,
     }
     fn flows(&self) -> bool {
         E::Forces::<f64>::FLOWS > 0
+    }
+    fn works(&self) -> bool {
+        self.works
     }
     fn trajectories(&self) -> usize {
         self.beside.as_ref().map_or(0, |beside| beside.starts.len())

@@ -11,7 +11,7 @@ use crate::run::price::clock::Clock;
 use crate::run::price::ladder::Runner;
 use crate::run::price::moving::{Movable, Rung};
 use crate::run::price::prices::{Offer, Price, Prices, Quantity, interpolate};
-use crate::run::price::pricing::{Aim, Allowance, Measured, measure, positive, price, refuse_random};
+use crate::run::price::pricing::{Aim, Allowance, Measured, measure, positive, price, priced};
 use crate::run::price::set::{Observed, Set};
 #[cfg(doc)]
 use crate::run::watch::mean::Mean;
@@ -47,6 +47,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// many bodies; after steps in between it may be some percent larger. A run that is longer than what the budget
     /// lets measure has the error that is expected from its beginning, see [`Planned::error`].
     ///
+    /// What acts for a much shorter time than the longest steps that are tried, such as a pulse in the middle of a run
+    /// at rest, may be met by no method, and is then no part of any error.
+    ///
     /// Method and step size are chosen by [measuring](Self::price); see [`price`](crate::run::price) for an example.
     #[doc(alias = "accuracy")]
     #[doc(alias = "tolerance")]
@@ -69,7 +72,9 @@ pub struct Within<'a, C, E, N, const D: usize> {
 }
 
 impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N, D> {
-    /// Limits the error of the energy instead, in its unit, after each step; measured as above.
+    /// Limits the error of the energy instead, in its unit, after each step: what it has changed by or, where forces or
+    /// constraints change with time or flows act on momenta, how far it is off that of the exact motion; measured as
+    /// above.
     pub fn in_energy(mut self) -> Self {
         self.what = Quantity::Energy;
         self
@@ -126,8 +131,8 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
     /// error and its reason; else as [`measure`](crate::run::price::Pricing::measure).
     pub fn simulate(mut self, start: &State<D>, duration: f64) -> Result<Planned<D>, Error> {
         positive("error wished for", self.error)?;
-        refuse_random(self.scene, start, duration)?;
-        let set = Set { scene: self.scene, start, observed: &self.observed, beside: None };
+        let works = priced(self.scene, start, duration)?;
+        let set = Set { scene: self.scene, start, observed: &self.observed, beside: None, works };
         let mut tell = self.progress.take().unwrap_or_else(|| Box::new(|_| {}));
         let Choice { rung, price, error, prices } =
             choose(&set, duration, self.error, self.what, &self.allowance, &mut *tell)?;
@@ -218,8 +223,11 @@ impl<const D: usize> fmt::Display for Planned<D> {
 
 impl fmt::Display for Spent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let off = 100.0 * (self.seconds / self.expected - 1.0);
-        write!(f, "{:.3e} s, {off:+.0} % of what was expected", self.seconds)
+        if self.expected > 0.0 {
+            let off = 100.0 * (self.seconds / self.expected - 1.0);
+            return write!(f, "{:.3e} s, {off:+.0} % of what was expected", self.seconds);
+        }
+        write!(f, "{:.3e} s, where no step was left", self.seconds)
     }
 }
 
@@ -252,7 +260,7 @@ fn choose(
     let limits = Limits { seconds: allowance.budget, flows: scene.flows() };
     let runner = Runner { scene, clock: &allowance.clock, deadline: begun + allowance.budget };
     let prices = &measured.prices;
-    if what == Quantity::Position && lost(prices) || uncertain(prices, what).is_some_and(|by| by > wish) {
+    if prices.needs_positions(what) && lost(prices) || uncertain(prices, what).is_some_and(|by| by > wish) {
         return Err(unreachable(prices, wish, what, limits));
     }
 
@@ -287,8 +295,12 @@ fn choose(
 /// is as good as it converges, though it may converge to something else.
 fn confirmed(prices: &Prices, row: &Price, what: Quantity) -> Option<f64> {
     let error = row.error(what)?;
-    let is_the_reference = what == Quantity::Position && row.method == prices.reference[0];
-    let known = if is_the_reference { prices.reference_error } else { 0.0 };
+    let known = match what {
+        _ if row.method != prices.reference[0] => 0.0,
+        Quantity::Position => prices.reference_error,
+        Quantity::Energy => prices.reference_energy_error.unwrap_or(0.0),
+        Quantity::Average(_) => 0.0,
+    };
     Some(error.max(known) * prices.grown(row, what))
 }
 
@@ -380,7 +392,7 @@ fn unreachable(prices: &Prices, wish: f64, what: Quantity, limits: Limits) -> Er
     let (best, row) = best.map_or((f64::NAN, None), |(error, row)| (error, Some(row)));
     let chaos = prices.lyapunov_time.zip(prices.predictable);
     let limit = match (chaos, uncertain(prices, what)) {
-        (Some((lyapunov_time, predictable)), _) if what == Quantity::Position && lost(prices) => {
+        (Some((lyapunov_time, predictable)), _) if prices.needs_positions(what) && lost(prices) => {
             Limit::Chaos { lyapunov_time, predictable }
         }
         (_, Some(uncertainty)) => Limit::Statistics { uncertainty },

@@ -1,0 +1,159 @@
+//! Wishes where something does work, and for averages of what grows, by a clock that counts evaluations.
+
+use super::priced::{NONE, Several};
+use rattle::Error;
+use rattle::bodies::One;
+use rattle::effect::{Effects, LinearDrag};
+use rattle::error::PriceMistake;
+use rattle::prelude::*;
+use rattle::price::{Clock, Prices};
+
+potential! {
+    /// A weight that is shaken.
+    struct Shaken { g, a, w }
+    |x, _y, z, t| g * z - a * cos(w * t) * x
+}
+
+potential! {
+    /// A weight.
+    struct Weight { g }
+    |_x, _y, z| g * z
+}
+
+potential! {
+    /// A weight in the plane.
+    struct Heavy { g }
+    |_x, z| g * z
+}
+
+constraint! {
+    /// A washboard.
+    struct Washboard { a }
+    |x, z| z - a * cos(x)
+}
+
+/// A surface of which evaluations are counted, at a microsecond each, and the clock.
+fn sphere() -> (Counted<Several>, Clock) {
+    let surface = Counted::new(Several { sphere: 1.0, ..NONE });
+    let counts = surface.counts();
+    (surface, Clock::of(move || 1e-6 * counts.all() as f64))
+}
+
+fn start() -> State<3> {
+    State::at([2.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8])
+}
+
+/// The largest difference between the energy of a planned run and that of a run with so much shorter steps by this
+/// method.
+fn off<E: Effects<3>, M: Method>(
+    scene: &Scene<Counted<Several>, E, One, 3>,
+    mut planned: rattle::price::Planned<3>,
+    finer: u64,
+    method: impl Fn(f64) -> M,
+) -> f64 {
+    let mut exact = scene.simulate(start(), method(planned.h / finer as f64)).unwrap();
+    let (mut worst, mut steps) = (0.0_f64, 0);
+    let mut look = |now: &BoxedSimulation<3>| {
+        exact.run(finer).unwrap();
+        let off = (now.energy() - exact.energy()).abs();
+        worst = if off <= worst { worst } else { off };
+        steps += 1;
+    };
+    planned.simulation.run_with(planned.steps, &mut look).unwrap();
+    assert!(steps > 0 && steps == planned.steps);
+    worst
+}
+
+/// Where a potential changes with time, what the energy and the work are both off by is an error of the energy.
+#[test]
+fn energies_of_what_is_shaken_are_within_the_wish() {
+    let (surface, clock) = sphere();
+    let scene = Scene::on(surface).with(Shaken { g: 1.0, a: 0.3, w: 0.3 });
+    for (duration, wish) in [(20.0, 1e-2), (100.0, 1e-2), (100.0, 1e-4)] {
+        let asked = scene.within(wish).in_energy().budget(8.0).clock(clock.clone());
+        let planned = asked.simulate(&start(), duration).unwrap();
+        let told = planned.to_string();
+        let off = off(&scene, planned, 1, |h| Dop853::adaptive(h, 1e-13));
+        assert!(off <= 1.03 * wish, "{duration}, {wish:e}: {told}, in truth {off:e}");
+    }
+}
+
+/// So it is where drag takes energy. All methods go half of it before each step and half after it, and are off by the
+/// same for that.
+#[test]
+fn energies_under_drag_are_within_the_wish() {
+    let (surface, clock) = sphere();
+    let scene = Scene::on(surface).with(Weight { g: 1.0 }).with(LinearDrag::new(0.3));
+    for (duration, wish) in [(20.0, 1e-2), (20.0, 1e-4)] {
+        let asked = scene.within(wish).in_energy().budget(4.0).clock(clock.clone());
+        let planned = asked.simulate(&start(), duration).unwrap();
+        let told = planned.to_string();
+        let off = off(&scene, planned, 20, Lobatto::<5>::new);
+        assert!(off <= 1.03 * wish, "{duration}, {wish:e}: {told}, in truth {off:e}");
+    }
+}
+
+/// The errors of the reference are those of the motion, not the difference of two that are off alike.
+#[test]
+fn references_under_drag_know_what_they_are_off_by() {
+    let (surface, clock) = sphere();
+    let scene = Scene::on(surface).with(Weight { g: 1.0 }).with(LinearDrag::new(0.3));
+    let prices: Prices = scene.price(&start(), 5.0).budget(1.0).clock(clock).measure().unwrap();
+    let mut checked = 0;
+    for row in &prices.rows {
+        let (Some(told), true) = (row.position, row.steps < 20_000 && row.method.order() == 8) else {
+            continue;
+        };
+        let mut own = scene.simulate(start(), Lobatto::<5>::new(row.h)).unwrap();
+        let mut exact = scene.simulate(start(), Lobatto::<5>::new(row.h / 20.0)).unwrap();
+        let mut worst = 0.0_f64;
+        own.run_with(row.steps, |now| {
+            exact.run(20).unwrap();
+            worst = worst.max((now.position() - exact.position()).norm());
+        })
+        .unwrap();
+        checked += usize::from(row.method == rattle::price::Candidate::Lobatto5);
+        if row.method == rattle::price::Candidate::Lobatto5 {
+            assert!(worst < 1.1 * told, "told {told:e}, in truth {worst:e}: h = {}\n{prices:#}", row.h);
+        }
+    }
+    assert!(checked > 2, "{checked}\n{prices:#}");
+}
+
+/// An average of what the error makes run away is farther off at the end of a run than on the pilot.
+#[test]
+fn averages_of_what_grows_are_within_the_wish_beyond_the_pilot() {
+    let surface = Counted::new(Washboard { a: 0.3 });
+    let counts = surface.counts();
+    let clock = Clock::of(move || 1e-6 * counts.all() as f64);
+    let scene = Scene::on(surface).with(Heavy { g: 1.0 });
+    let start = State::at([0.0, 0.3]).moving([1.3, 0.0]);
+    let x = |now: &BoxedSimulation<2>| now.positions().next().unwrap().x;
+    let mut longer = 0;
+    for (duration, wish, budget) in [(2e3, 1e-1, 0.3), (2e3, 1e-2, 0.3), (2e4, 1.0, 0.3)] {
+        let asked = scene.within(wish).in_average("x", x).budget(budget).clock(clock.clone());
+        let mut planned = match asked.simulate(&start, duration) {
+            Ok(planned) => planned,
+            Err(Error::Price(PriceMistake::Unreachable { .. })) => continue,
+            Err(error) => panic!("{error}"),
+        };
+        let told = format!("{planned}, pilot {}", planned.prices.pilot);
+        longer += usize::from(planned.prices.pilot < 0.5 * duration);
+        // The same instants by shorter steps of high order, and their trapezoidal sums: what states are off by.
+        let h = duration / planned.steps as f64;
+        let parts = (h / 0.1).ceil();
+        let mut exact = scene.simulate(start.clone(), Lobatto::<5>::new(h / parts)).unwrap();
+        let (mut sum, mut off) = (0.0, 0.0);
+        planned
+            .simulation
+            .run_with(planned.steps, |now| {
+                exact.run(parts as u64).unwrap();
+                sum += exact.position().x;
+                off += now.positions().next().unwrap().x - exact.position().x;
+            })
+            .unwrap();
+        let off = (off / planned.steps as f64).abs();
+        assert!(sum > 0.0 && off <= wish, "{duration}, {wish:e}: {told}, in truth {off:e}");
+    }
+    assert!(longer > 0);
+}
