@@ -1,5 +1,7 @@
 //! Methods of every order.
 
+#[path = "../adaptive_steps.rs"]
+mod adaptive_steps;
 #[path = "../bdf2.rs"]
 mod bdf2;
 #[path = "../common/mod.rs"]

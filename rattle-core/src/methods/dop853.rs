@@ -6,6 +6,9 @@
 //! q′ nearest to q̂ with g(q′) = 0,   p′ nearest to p̂ with G(q′) M⁻¹p′ = 0, as masses measure it
 //! ```
 //!
+//! The work of potentials that change with time is booked as W = ∫ ∂U/∂t dt = ΔU + ∫ f·q̇ dt, the integral by the same
+//! sum: ∂U/∂t itself may change much faster than the motion that the tolerance is about.
+//!
 //! Neither symplectic nor reversible: energy drifts. For comparison and for short runs: with a tolerance it is the
 //! cheapest method down to errors of some 1e-8 on surfaces (`examples/accuracy.rs`). Each step is then divided into
 //! inner steps that keep the tolerance; a step is still a function of the state alone.
@@ -13,6 +16,8 @@
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.5 and II.10;
 //! coefficients as published with their program.
 
+use crate::effect::force::Force;
+use crate::effect::list::Forces;
 use crate::error::{Error, MethodFailure};
 use crate::methods::dop853_table::{ERROR_3, ERROR_5, NODES, STAGES, STEPS, WEIGHTS};
 use crate::motion::bodies::{Count, Saved};
@@ -69,6 +74,11 @@ impl Dop853 {
 
     /// The method with steps of size `h`, each divided into as many inner steps, at most 10⁶, as the tolerance, a
     /// length, needs: for each body the estimated error |δq| + |h| |δv| of an inner step stays below it.
+    ///
+    /// The estimate knows of what its twelve stages meet. So `h`, which bounds the inner steps, must not be longer than
+    /// what acts is met for: a narrow bump of a potential, or a short pulse, is else passed in silence. Where forces
+    /// jump, at branches of potentials (`if`, `abs`, a cut-off), inner steps become as short as 10⁻⁶ h, and what is
+    /// left may exceed the tolerance or end the run: [`Taylor`](crate::methods::taylor::Taylor) finds branches.
     #[doc(alias = "dt")]
     #[doc(alias = "tolerance")]
     #[must_use]
@@ -215,7 +225,10 @@ struct Stages<'a, N: Count, T: Scalar, const D: usize> {
     start: &'a Saved<N, T, D>,
     v: &'a mut [[T; D]],
     f: &'a mut [[T; D]],
+    /// What does work at the stages, beside the change of U.
     power: [T; STAGES],
+    /// U at the start of the inner step, where it changes with time.
+    energy: Option<T>,
 }
 
 impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
@@ -231,7 +244,8 @@ impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
         let (v, f) = room.split_at_mut(STAGES * n);
         bodies.save(saved);
         let power = [T::from_f64(0.0); STAGES];
-        let mut stages = Self { n, start: saved, v, f, power };
+        let energy = system.0.effects().changes_with_time().then(|| system.0.potential_energy(bodies));
+        let mut stages = Self { n, start: saved, v, f, power, energy };
         stages.rates(system, bodies, 0, witness);
         stages
     }
@@ -244,10 +258,18 @@ impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
         stage: usize,
         witness: &mut W,
     ) {
-        self.power[stage] = rates.evaluate_rates(bodies, &mut self.f[stage * self.n..][..self.n], witness);
+        let mut power = rates.evaluate_rates(bodies, &mut self.f[stage * self.n..][..self.n], witness);
         for body in 0..self.n {
             self.v[stage * self.n + body] = system.velocity(bodies, body);
         }
+        if self.energy.is_some() {
+            // dU/dt = ∂U/∂t − f·q̇: the first is booked as a difference.
+            power = power - bodies.power;
+            for (force, v) in Y::forces_of(&bodies.kept).iter().zip(&self.v[stage * self.n..]) {
+                power = power + dot(&force.components(), v);
+            }
+        }
+        self.power[stage] = power;
     }
 
     /// Σ cⱼ of the rates of a body, q̇ and ṗ.
@@ -354,6 +376,10 @@ impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
             bodies.work = bodies.work + T::from_f64(h * weight) * self.power[stage];
         }
         bodies.time = self.start.time + h;
-        land(h, system, self.start, bodies)
+        let landed = land(h, system, self.start, bodies)?;
+        if let Some(before) = self.energy {
+            bodies.work = bodies.work + (system.0.potential_energy(bodies) - before);
+        }
+        Ok(landed)
     }
 }
