@@ -16,11 +16,13 @@
 //! function of the state alone.
 //!
 //! **Where a potential changes branch** (`if`, `abs`, `max`, a cut-off) its series is still that of the branch where it
-//! began. So the acceleration at the end of each inner step is compared with that of the series. Where they differ by
-//! more than the last terms of the series, which tell what it leaves out, the change is sought by bisection, and the
-//! inner step ends right behind it: the series may be wrong for as long as this leads the body off, with velocities
-//! times h, by no more than the tolerance. A branch that is entered and left within one inner step is not seen; without
-//! a tolerance nothing is compared.
+//! began, and where a force is local, such as that of a narrow bump, nothing in a series from afar tells of it. So
+//! accelerations are compared with those of the series at the end of each inner step and at three times inside of it,
+//! of rigid bodies at the end alone. Where they differ by more than the last terms of the series, which tell what it
+//! leaves out, the change is sought by bisection, and the inner step ends right behind it: the series may be wrong for
+//! as long as this leads the body off, with velocities times h, by no more than the tolerance. What is entered and left
+//! within a quarter of one inner step is not seen: h bounds the inner steps, and must be no longer than what acts is
+//! met for. Without a tolerance nothing is compared.
 //!
 //! Source: À. Jorba, M. Zou, Exp. Math. 14 (2005) 99.
 
@@ -49,6 +51,10 @@ const SHORTER: f64 = 1.0 / 3.0;
 
 /// Coefficients that tell the acceleration at the end of an inner step.
 const FEW: usize = 3;
+
+/// Where inside of an inner step its acceleration is compared with that of the series: nowhere alike, so that what
+/// comes again and again is not always between them.
+pub(crate) const INSIDE: [f64; 3] = [0.24, 0.49, 0.76];
 
 /// Where an inner step led regardless of the constraints: a place and a momentum.
 const LED: usize = 2;
@@ -81,7 +87,8 @@ impl Taylor {
     }
 
     /// The method with steps of size `h`, each divided into as many inner steps as needed, at most 10⁶, to keep the
-    /// last terms of positions, and of velocities times h, below the tolerance, a length.
+    /// last terms of positions, and of velocities times h, below the tolerance, a length. A force that is met for less
+    /// than a quarter of `h` may not be seen.
     #[doc(alias = "dt")]
     #[doc(alias = "tolerance")]
     #[must_use]
@@ -203,10 +210,12 @@ impl Taylor {
             }
             let last = longest >= left.abs();
             let whole = if last { left } else { longest.copysign(left) };
-            let mut landed = self.arrive(system, bodies, start, (&*series, &mut *led), whole)?;
+            let bent = self.bent_inside(system, bodies, start, (&*series, &mut *few), whole, tolerance);
+            let reached = bent.map_or(whole, |(time, _)| time);
+            let mut landed = self.arrive(system, bodies, start, (&*series, &mut *led), reached)?;
             let terms = [&mut *series, &mut *few, &mut *led];
             let (inner, off) =
-                self.in_one_branch(system, bodies, start, terms, whole, tolerance, &mut landed)?;
+                self.in_one_branch(system, bodies, start, terms, (whole, bent), tolerance, &mut landed)?;
             if landed.is_ok() {
                 let (places, momenta) = led.split_at(bodies.q.as_ref().len());
                 let (off, body) = moved(self.h, system.0, bodies, [places, momenta]);
@@ -235,9 +244,58 @@ impl Taylor {
         }
     }
 
+    /// The first of some times [inside](INSIDE) of an inner step of this length at which the series is not that of the
+    /// motion, and by how much its acceleration is off there. The bodies are left at the start, with what is kept of
+    /// another place. Rigid bodies are not looked at, as the series of their places knows nothing of momenta.
+    fn bent_inside<T: Scalar, Y: System<T, D>, const D: usize>(
+        &self,
+        (system, rates, motion): View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+        start: &Saved<Y::Count, T, D>,
+        (series, few): (&[[T; D]], &mut [[T; D]]),
+        inner: f64,
+        tolerance: f64,
+    ) -> Option<(f64, f64)> {
+        let n = bodies.q.as_ref().len();
+        if n == 0 || motion.expanded_impulse(bodies, 0, inner).is_some() {
+            return None;
+        }
+        let unit = motion.unit(bodies);
+        let mut bent = None;
+        for time in INSIDE.map(|part| part * inner) {
+            let step = T::from_f64(time / unit);
+            for body in 0..n {
+                let (way, change) = summed(series, n, body, step);
+                let impulse = rates.momentum(body, &scaled(T::from_f64(1.0 / unit), &change));
+                let from = start.body(body);
+                bodies.q.as_mut()[body] = sum(&from.q, &way);
+                bodies.p.as_mut()[body] = sum(&from.p, &impulse);
+            }
+            bodies.time = start.time + time;
+            system.refresh(bodies);
+            rates.evaluate_rates(bodies, &mut few[..n], &mut ());
+            for body in 0..n {
+                bodies.p.as_mut()[body] = few[body];
+                few[2 * n + body] = scaled(T::from_f64(0.5 * unit * unit), &system.velocity(bodies, body));
+            }
+            let bend = self.bend(bodies, series, few, time, unit);
+            if self.led_off(bend, time) > tolerance {
+                bent = Some((time, bend));
+                break;
+            }
+        }
+        bodies.restore(start);
+        bent
+    }
+
+    /// How far off it leads, with velocities times h, to go by an acceleration that is off by `bend` for so long.
+    fn led_off(&self, bend: f64, time: f64) -> f64 {
+        bend * (time * self.h).abs()
+    }
+
     /// The inner step of this length, if the series is that of the motion until its end, where the bodies are; else a
     /// shorter one, with the bodies at its end, which is right behind where it is not, and how they landed there. And
-    /// how far off it would have led.
+    /// how far off it would have led. Where it was found to be [bent](Self::bent_inside) the bodies are there.
     #[allow(clippy::too_many_arguments, reason = "what an inner step knows at its end")]
     fn in_one_branch<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
@@ -245,24 +303,24 @@ impl Taylor {
         bodies: &mut BodiesOf<Y, T, D>,
         start: &Saved<Y::Count, T, D>,
         [series, few, led]: [&mut [[T; D]]; 3],
-        inner: f64,
+        (inner, bent): (f64, Option<(f64, f64)>),
         tolerance: f64,
         landed: &mut Result<(), Failure>,
     ) -> Result<(f64, f64), Failure> {
         let motion = system.2;
-        // How far off it leads, with velocities times h, to have gone by this acceleration for so long.
-        let off = |bend: f64, time: f64| bend * (time * self.h).abs();
-        let mut end = self.bend(motion, bodies, series, few, inner);
-        let whole = off(end, inner);
+        let off = |bend, time| self.led_off(bend, time);
+        let (behind, mut end) =
+            bent.unwrap_or_else(|| (inner, self.bend_at_end(motion, bodies, series, few, inner)));
+        let whole = off(end, behind);
         if whole <= tolerance {
             return Ok((inner, whole));
         }
-        let (mut before, mut behind, mut at) = (0.0, inner, inner);
+        let (mut before, mut behind, mut at) = (0.0, behind, behind);
         let shortest = 4.0 * f64::EPSILON * inner.abs();
         while off(end, behind - before) > tolerance && (behind - before).abs() > shortest {
             let middle = 0.5 * (before + behind);
             *landed = self.go_again(system, bodies, start, (series, led), middle)?;
-            let there = self.bend(motion, bodies, series, few, middle);
+            let there = self.bend_at_end(motion, bodies, series, few, middle);
             at = middle;
             if off(there, middle) <= tolerance {
                 before = middle;
@@ -290,9 +348,8 @@ impl Taylor {
         self.arrive(system, bodies, start, (series, led), inner)
     }
 
-    /// By how much the acceleration of a body is off that of the series at most, at the end of an inner step, where the
-    /// bodies are, beyond the last two terms of the series and what may be rounding.
-    fn bend<T: Scalar, N: Count, X, Z: Series<N, X, T, D>, const D: usize>(
+    /// The [bend](Self::bend) at the end of an inner step, where the bodies are.
+    fn bend_at_end<T: Scalar, N: Count, X, Z: Series<N, X, T, D>, const D: usize>(
         &self,
         motion: &Z,
         bodies: &mut Bodies<N, T, X, D>,
@@ -300,9 +357,21 @@ impl Taylor {
         few: &mut [[T; D]],
         inner: f64,
     ) -> f64 {
-        let n = bodies.q.as_ref().len();
-        let unit = motion.unit(bodies);
         motion.expand(bodies, few, &mut ());
+        self.bend(bodies, series, few, inner, motion.unit(bodies))
+    }
+
+    /// By how much the acceleration of a body, of which `few` has half, is off that of the series at most after a time
+    /// `inner`, where the bodies are, beyond the last two terms of the series and what may be rounding.
+    fn bend<T: Scalar, N: Count, X, const D: usize>(
+        &self,
+        bodies: &Bodies<N, T, X, D>,
+        series: &[[T; D]],
+        few: &[[T; D]],
+        inner: f64,
+        unit: f64,
+    ) -> f64 {
+        let n = bodies.q.as_ref().len();
         let (step, orders) = (T::from_f64(inner / unit), self.coefficients());
         let rounding = T::from_f64(ROUNDINGS * T::EPSILON);
         let mut bend = 0.0_f64;
@@ -357,18 +426,10 @@ impl Taylor {
         h: f64,
     ) -> Result<Result<(), Failure>, Failure> {
         let n = bodies.q.as_ref().len();
-        let orders = series.len().checked_div(n).unwrap_or(0);
         let unit = motion.unit(bodies);
-        let (step, over_unit, zero) = (T::from_f64(h / unit), T::from_f64(1.0 / unit), [T::from_f64(0.0); D]);
+        let (step, over_unit) = (T::from_f64(h / unit), T::from_f64(1.0 / unit));
         for body in 0..n {
-            let (mut way, mut change) = (zero, zero);
-            for k in (1..orders).rev() {
-                let coefficient = &series[k * n + body];
-                way = scaled(step, &sum(coefficient, &way));
-                if k > 1 {
-                    change = scaled(step, &add_scaled(&change, T::from_f64(k as f64), coefficient));
-                }
-            }
+            let (way, mut change) = summed(series, n, body, step);
             let finite =
                 [dot(&way, &way), dot(&change, &change)].iter().all(|square| square.to_f64().is_finite());
             if !finite {
@@ -387,4 +448,19 @@ impl Taylor {
         bodies.time += h;
         land(h, (system, rates), start, bodies)
     }
+}
+
+/// The way and the change of velocity of one of `n` bodies after this time, in the unit of the series, by Horner's
+/// rule.
+#[inline(always)]
+fn summed<T: Scalar, const D: usize>(series: &[[T; D]], n: usize, body: usize, step: T) -> ([T; D], [T; D]) {
+    let (mut way, mut change) = ([T::from_f64(0.0); D], [T::from_f64(0.0); D]);
+    for k in (1..series.len() / n).rev() {
+        let coefficient = &series[k * n + body];
+        way = scaled(step, &sum(coefficient, &way));
+        if k > 1 {
+            change = scaled(step, &add_scaled(&change, T::from_f64(k as f64), coefficient));
+        }
+    }
+    (way, change)
 }

@@ -4,20 +4,22 @@ use crate::effect::list::{Effects, Forces};
 use crate::effect::swept::Swept;
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::kernel::series::Order;
-use crate::methods::taylor::{SMALLEST_PART, Taylor};
+use crate::methods::taylor::{INSIDE, ROUNDINGS as ROUNDINGS_OF_SERIES, SMALLEST_PART, Taylor};
 use crate::motion::bodies::One;
 use crate::motion::failure::Failure;
 use crate::motion::method::Method;
 use crate::number::lanes::{Lane, Lanes};
 use crate::number::real::Real;
-use crate::number::vector::{dot, largest, scaled};
+use crate::number::vector::{add_scaled, dot, largest, scaled};
 use crate::number::vectors::{Vectors, at};
 use crate::run::ensemble::laws::{Each, Laws, Same};
 use crate::run::ensemble::projected::{Projects, least_tolerance};
 use crate::run::ensemble::projected_row::Place;
+use crate::run::ensemble::row::pull;
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use crate::systems::surface::room::SeriesRoom;
 use crate::systems::surface::series::{Contributes, Together, expand, room};
+use std::borrow::Borrow;
 
 /// The method, and what lanes obey.
 #[derive(Clone)]
@@ -142,7 +144,7 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
     #[inline(always)]
     fn sum<const SUMS: usize>(
         &self,
-        _: &impl Laws<S, D>,
+        obeyed: &impl Laws<S, D>,
         now: &Place<S, L, D>,
         left: &[S; L],
         inner: &mut [S; L],
@@ -194,6 +196,10 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
             bends[d] = (over_square * z[d]).0;
         }
         last_terms(&step, over_square, series, left_out);
+        if let Some(tolerance) = method.tolerance() {
+            let tolerance = [tolerance, method.step_size()].map(S::from_f64);
+            leave_bent::<S, L, D>(obeyed, now, (series, unit), tolerance, inner, next, taken);
+        }
     }
 
     #[inline(always)]
@@ -220,6 +226,57 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
         (0..parts).try_for_each(|_| {
             part.step::<S, OnSurface<A, B, One, OneByOne>, _, D>(view, bodies, &mut [], &mut ())
         })
+    }
+}
+
+/// Has lanes go by themselves whose series is not that of the motion at some times [inside](INSIDE) of their inner
+/// step, by the tolerance and the step: that inner step is not taken, and the next one is none.
+#[inline(always)]
+fn leave_bent<S: Lane, const L: usize, const D: usize>(
+    laws: &impl Laws<S, D>,
+    now: &Place<S, L, D>,
+    (series, unit): (&[[Lanes<S, L>; D]], f64),
+    [tolerance, h]: [S; 2],
+    inner: &[S; L],
+    next: &mut [S; L],
+    taken: &mut [bool; L],
+) {
+    let [roundings, over_unit] = [ROUNDINGS_OF_SERIES * S::EPSILON, 1.0 / unit].map(S::from_f64);
+    let over_square = Lanes::from_f64(1.0 / (unit * unit));
+    let mut left_out = [S::default(); L];
+    for part in INSIDE {
+        let mut step = Lanes(*inner);
+        for step in &mut step.0 {
+            *step = *step * over_unit * S::from_f64(part);
+        }
+        let [mut x, mut y, mut z] = [[Lanes::from_f64(0.0); D]; 3];
+        for (k, coefficient) in series.iter().enumerate().skip(1).rev() {
+            let [number, both] = [k, k * (k - 1)].map(|k| Lanes::from_f64(k as f64));
+            for d in 0..D {
+                x[d] = step * (coefficient[d] + x[d]);
+                if k > 1 {
+                    y[d] = step * number.multiply_add(coefficient[d], y[d]);
+                    z[d] = step.multiply_add(z[d], both * coefficient[d]);
+                }
+            }
+        }
+        last_terms(&step, over_square, series, &mut left_out);
+        for l in 0..L {
+            let (mut q, mut p, mut bend) = (at(&now.q, l), at(&now.p, l), [S::default(); D]);
+            for d in 0..D {
+                q[d] = q[d] + x[d].0[l];
+                p[d] = p[d] + over_unit * y[d].0[l];
+                bend[d] = over_square.0[l] * z[d].0[l];
+            }
+            let [gradient] = laws.constraint(l).borrow().jacobian(&q);
+            let pull = pull(laws, l, &q, &p, &gradient).1;
+            let time = inner[l] * S::from_f64(part);
+            let off = largest(&add_scaled(&pull, S::from_f64(-1.0), &bend)) - left_out[l];
+            let size = largest(&q) + largest(&pull) * time * time;
+            let within = (off * (time * h).abs()).le(tolerance + roundings * size * (h / time).abs());
+            taken[l] &= within;
+            next[l] = S::select(within, next[l], S::default());
+        }
     }
 }
 
