@@ -126,6 +126,16 @@ impl<T: Real> Work for Sums<'_, T> {
     }
 }
 
+/// The binary logarithm of the longest unit of time, and less that of the shortest: their squares are numbers also in
+/// single precision.
+const LONGEST_UNIT: f64 = 50.0;
+
+/// The unit in which the series of steps of about `h` count time: a power of two, so that no bit depends on it, near h,
+/// so that high coefficients neither overflow nor vanish.
+pub(crate) fn unit_near(h: f64) -> f64 {
+    h.abs().log2().round().clamp(-LONGEST_UNIT, LONGEST_UNIT).exp2()
+}
+
 /// The coefficients k of the products that no function has taken yet. Functions take theirs one after the other, in the
 /// same order for each k. `FIRST` where k = 0.
 #[derive(Debug)]

@@ -90,6 +90,8 @@ pub(super) struct SeriesRoom<const D: usize> {
     pub(super) push: Vec<[f64; D]>,
     pub(super) velocity: Vec<[f64; D]>,
     pub(super) lambda: Vec<f64>,
+    /// The unit of time.
+    pub(super) unit: f64,
     /// Work done by moving constraints: all coefficients but the first, which is 0.
     pub(super) work: Vec<f64>,
 }

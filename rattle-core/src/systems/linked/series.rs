@@ -3,15 +3,16 @@
 //! With aₖ the coefficient of tᵏ of a, n a row of G and r of ∂g/∂t, and λ from G v + r = 0, order by order:
 //!
 //! ```text
-//! k M vₖ = fₖ₋₁ + Σⱼ λⱼ₋₁ nₖ₋ⱼ,   Σⱼ nⱼ·vₖ₋ⱼ + rₖ = 0,   qₖ₊₁ = vₖ/(k + 1)
+//! k M vₖ = u (fₖ₋₁ + Σⱼ λⱼ₋₁ nₖ₋ⱼ),   Σⱼ nⱼ·vₖ₋ⱼ + rₖ = 0,   qₖ₊₁ = u vₖ/(k + 1)
 //! ```
 //!
+//! u is the unit of time, in which t is counted here.
 //! nₖ and rₖ are known from q₀ … qₖ. The only unknown of the first sum is G₀ᵀλₖ₋₁, so the second one gives λₖ₋₁ by the
 //! factors of G₀M⁻¹G₀ᵀ from the last step: one solve for each order.
 
 use crate::effect::list::Forces;
 use crate::kernel::recurrences::Recurrences;
-use crate::kernel::series::{AnyOrder, Products, blocks};
+use crate::kernel::series::{AnyOrder, Products, blocks, unit_near};
 use crate::motion::bodies::Count;
 use crate::motion::witness::Witness;
 use crate::number::vector::{scaled, sum};
@@ -38,9 +39,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     }
 
     /// Room for so many coefficients of functions that all have series.
-    pub(super) fn room_for_series(&self, orders: usize) -> Box<SeriesRoom<D>> {
+    pub(super) fn room_for_series(&self, orders: usize, h: f64) -> Box<SeriesRoom<D>> {
         let (shape, n) = (&*self.shape, self.count.number());
         Box::new(SeriesRoom {
+            unit: unit_near(h),
             products: Products::new(self.series_blocks().unwrap_or(0) + self.own_blocks(), orders),
             normals: vec![[0.0; D]; shape.blocks],
             acting: vec![[0.0; D]; shape.blocks],
@@ -65,13 +67,25 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         bodies.kept.tied.lend_normals(shape, bodies.time, bodies.q.as_ref());
         let Kept { series: expansion, tied, .. } = &mut bodies.kept;
         let Tied { solvers, blocks, rates, room, .. } = tied;
-        let expansion = expansion.get_or_insert_with(|| self.room_for_series(series.len() / n));
-        let SeriesRoom { products, normals, acting, rates: moves, force, pull, push, velocity, lambda, work } =
-            &mut **expansion;
+        let expansion = expansion.get_or_insert_with(|| self.room_for_series(series.len() / n, 1.0));
+        let SeriesRoom {
+            products,
+            normals,
+            acting,
+            rates: moves,
+            force,
+            pull,
+            push,
+            velocity,
+            lambda,
+            work,
+            unit,
+        } = &mut **expansion;
+        let unit = *unit;
         series[..n].copy_from_slice(bodies.q.as_ref());
         for (body, root) in shape.roots.iter().enumerate() {
             velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
-            series[n + body] = velocity[body];
+            series[n + body] = scaled(unit, &velocity[body]);
         }
 
         let order = &mut products.first();
@@ -85,7 +99,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         for k in 1..last {
             let (number, now) = (k as f64, k * n..(k + 1) * n);
             let order = &mut products.next(k);
-            let time = if k == 1 { 1.0 } else { 0.0 };
+            let time = if k == 1 { unit } else { 0.0 };
             shape.series(time, &series[now.clone()], normals, acting, moves, &mut AnyOrder::Next(order));
             let mut own = order.take(self.own_blocks());
             pull.copy_from_slice(force);
@@ -113,10 +127,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                     for (at, body) in rows.touched_by(row) {
                         for d in 0..D {
                             let known = own.sum(normal_velocity::<D>(block + at) + d);
-                            turn += known + normals[at][d] * series[n + body][d];
+                            turn += known + normals[at][d] * series[n + body][d] / unit;
                         }
                     }
-                    *change = -number * turn;
+                    *change = -number / unit * turn;
                 }
                 let of_rows = [&mut *x, &mut room.guess[..m], &mut room.dx[..m]];
                 Pull { rows, roots: &shape.roots, blocks: start, changes }.add(solver, pull, push, of_rows);
@@ -124,15 +138,15 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 solver.multipliers(x, lambda);
                 for (row, &lambda) in lambda.iter().enumerate() {
                     let known = own.sum(lambda_rate::<D>(shape, first + row));
-                    work[k] -= (known + lambda * rates[first + row]) / number;
+                    work[k] -= (known + lambda * rates[first + row]) * unit / number;
                     if k == 1 {
                         witness.position_multiplier(rows.equation(row), lambda);
                     }
                 }
             }
             for (body, root) in shape.roots.iter().enumerate() {
-                velocity[body] = scaled(1.0 / number, &root.velocity(&pull[body]));
-                series[(k + 1) * n + body] = scaled(1.0 / (number + 1.0), &velocity[body]);
+                velocity[body] = scaled(unit / number, &root.velocity(&pull[body]));
+                series[(k + 1) * n + body] = scaled(unit / (number + 1.0), &velocity[body]);
             }
             note(shape, &mut own, lambda, [normals, acting], moves, velocity);
             if k + 1 < last {

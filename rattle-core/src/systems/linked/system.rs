@@ -280,8 +280,12 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Collocation<N, Kept<F, D>, f64
 }
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Series<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
-    fn reserve_series(&self, bodies: &mut BodiesOf<F, N, D>, orders: usize, _: f64) {
-        bodies.kept.series = Some(self.room_for_series(orders));
+    fn reserve_series(&self, bodies: &mut BodiesOf<F, N, D>, orders: usize, h: f64) {
+        bodies.kept.series = Some(self.room_for_series(orders, h));
+    }
+
+    fn unit(&self, bodies: &BodiesOf<F, N, D>) -> f64 {
+        bodies.kept.series.as_ref().map_or(1.0, |room| room.unit)
     }
 
     fn expand<W: Witness<f64>>(
@@ -294,7 +298,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Series<N, Kept<F, D>, f64, D> 
     }
 
     fn expanded_work(&self, bodies: &BodiesOf<F, N, D>, h: f64) -> f64 {
+        let step = h / self.unit(bodies);
         let work = bodies.kept.series.iter().flat_map(|room| room.work.iter().rev());
-        work.fold(0.0, |sum, coefficient| coefficient + h * sum)
+        work.fold(0.0, |sum, coefficient| coefficient + step * sum)
     }
 }

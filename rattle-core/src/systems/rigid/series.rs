@@ -1,11 +1,13 @@
 //! The turning of rigid bodies as a power series in time.
 //!
 //! ```text
-//! (k + 1) Qₖ₊₁ = (Q Ω̂)ₖ,   (k + 1) mₖ₊₁ = (m × Ω + τ)ₖ      Ω = J⁻¹m,   τ = −Σ rows of Q × rows of F
+//! (k + 1) Qₖ₊₁ = u (Q Ω̂)ₖ,   (k + 1) mₖ₊₁ = u (m × Ω + τ)ₖ      Ω = J⁻¹m,   τ = −Σ rows of Q × rows of F
 //! ```
+//!
+//! u is the unit of time.
 
 use crate::effect::list::Forces;
-use crate::kernel::series::{Order, Products, blocks};
+use crate::kernel::series::{Order, Products, blocks, unit_near};
 use crate::motion::bodies::Count;
 use crate::number::vector::{add_scaled, scaled};
 use crate::systems::rigid::kept::{BodiesOf, Turning};
@@ -17,37 +19,38 @@ const BLOCKS: usize = blocks(6 * 6 + 3);
 
 impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
     /// Room for so many coefficients of functions that all have series.
-    pub(super) fn room_for_series(&self, orders: usize) -> Box<SeriesRoom> {
+    pub(super) fn room_for_series(&self, orders: usize, h: f64) -> Box<SeriesRoom> {
         let n = self.count.number();
         let products = Products::new(n * BLOCKS + self.effects.series_blocks(n).unwrap_or(0), orders);
-        Box::new(SeriesRoom { products, force: vec![[0.0; 9]; n], m: vec![[0.0; 3]; n * orders] })
+        let (force, m) = (vec![[0.0; 9]; n], vec![[0.0; 3]; n * orders]);
+        Box::new(SeriesRoom { products, force, m, unit: unit_near(h) })
     }
 
     /// Writes Q₀, Q₁, … of all bodies in turn, as many as `series` has room for.
     pub(super) fn expand_motion(&self, bodies: &mut BodiesOf<F, N>, series: &mut [[f64; 9]]) {
         let n = self.count.number();
         let orders = series.len() / n.max(1);
-        let room = bodies.kept.series.get_or_insert_with(|| self.room_for_series(orders));
-        let SeriesRoom { products, force, m } = &mut **room;
+        let room = bodies.kept.series.get_or_insert_with(|| self.room_for_series(orders, 1.0));
+        let SeriesRoom { products, force, m, unit } = &mut **room;
         series[..n].copy_from_slice(bodies.q.as_ref());
         for (m, p) in m.iter_mut().zip(bodies.p.as_ref()) {
             *m = from_fn(|i| p[i]);
         }
-        self.next_coefficients(0, &mut products.first(), series, m, force);
+        self.next_coefficients((0, *unit), &mut products.first(), series, m, force);
         for k in 1..orders.saturating_sub(1) {
-            self.next_coefficients(k, &mut products.next(k), series, m, force);
+            self.next_coefficients((k, *unit), &mut products.next(k), series, m, force);
         }
     }
 
     fn next_coefficients<const FIRST: bool>(
         &self,
-        k: usize,
+        (k, unit): (usize, f64),
         order: &mut Order<'_, f64, FIRST>,
         series: &mut [[f64; 9]],
         m: &mut [[f64; 3]],
         force: &mut [[f64; 9]],
     ) {
-        let (n, share) = (self.count.number(), 1.0 / (k + 1) as f64);
+        let (n, share) = (self.count.number(), unit / (k + 1) as f64);
         force.fill([0.0; 9]);
         self.effects.contribute_series(&series[k * n..][..n], force, order);
         for body in 0..n {

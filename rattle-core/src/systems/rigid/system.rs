@@ -255,8 +255,12 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
 }
 
 impl<F: Forces<f64, 9>, N: Count> Series<N, Kept<F>, f64, 9> for Turning<F, N> {
-    fn reserve_series(&self, bodies: &mut BodiesOf<F, N>, orders: usize, _: f64) {
-        bodies.kept.series = Some(self.room_for_series(orders));
+    fn reserve_series(&self, bodies: &mut BodiesOf<F, N>, orders: usize, h: f64) {
+        bodies.kept.series = Some(self.room_for_series(orders, h));
+    }
+
+    fn unit(&self, bodies: &BodiesOf<F, N>) -> f64 {
+        bodies.kept.series.as_ref().map_or(1.0, |room| room.unit)
     }
 
     fn expand<W: Witness<f64>>(&self, bodies: &mut BodiesOf<F, N>, series: &mut [[f64; 9]], _: &mut W) {

@@ -10,7 +10,7 @@
 
 use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
-use crate::kernel::series::{Order, Products, blocks};
+use crate::kernel::series::{Order, Products, blocks, unit_near};
 use crate::motion::bodies::Count;
 use crate::motion::witness::Witness;
 use crate::number::real::{Real, Scalar};
@@ -62,10 +62,6 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         expand::<false, _, _, D>(&self.constraint, &effects, room, n, start, series, tell);
     }
 }
-
-/// The binary logarithm of the longest unit of time, and less that of the shortest: their squares are numbers also in
-/// single precision.
-const LONGEST_UNIT: f64 = 50.0;
 
 /// What adds the next coefficient of the forces on bodies, from that of their positions.
 pub(crate) trait Contributes<T: Real, const D: usize> {
@@ -175,6 +171,6 @@ pub(crate) fn room<T: Real, const D: usize>(
     h: f64,
 ) -> SeriesRoom<T, D> {
     let products = Products::new(functions + n * blocks(2 * D), orders);
-    let unit = h.abs().log2().round().clamp(-LONGEST_UNIT, LONGEST_UNIT).exp2();
+    let unit = unit_near(h);
     SeriesRoom { products, force: vec![[T::from_f64(0.0); D]; n], unit }
 }
