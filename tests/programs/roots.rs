@@ -22,6 +22,8 @@ mod kinks_hidden;
 mod kinks_phase;
 #[path = "../kinks_projected.rs"]
 mod kinks_projected;
+#[path = "../kinks_smooth.rs"]
+mod kinks_smooth;
 #[path = "../kinks_starts.rs"]
 mod kinks_starts;
 #[path = "../laws.rs"]

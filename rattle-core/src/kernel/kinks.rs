@@ -2,7 +2,7 @@
 //! the two, the normals on both sides of its zero are compared.
 //!
 //! ```text
-//! q(s) = from + s (to − from)      s halved until a and b, on both sides, are 10⁻⁶ apart
+//! q(s) = from + s (to − from)      s halved until a and b, on both sides, are 10⁻⁶ apart; 10⁻¹⁰ before a jump is told
 //! jump = |n(a) − n(b)|             n = ∇g/|∇g|; smooth is a jump of at most τ² between 10⁻⁶ and 1/16,
 //! τ = |n(from) − n(a)| + |n(b) − n(to)|          how far the normal turns otherwise
 //! ```
@@ -21,6 +21,9 @@ use std::array::from_fn;
 const PAGE: usize = 32;
 /// Halvings of the way until its two sides are compared: smooth normals differ there by some 10⁻⁶ of a turn.
 const HALVINGS: u32 = 20;
+/// So many more of them before a jump is told: a normal that turns fast, but smoothly, turns by a four-thousandth
+/// there.
+const FURTHER: u32 = 12;
 /// Smaller jumps change an energy by less than 10⁻¹² of itself.
 const SMALLEST: f64 = 1e-6;
 /// Larger ones are jumps however far the normal turns in the step.
@@ -214,18 +217,40 @@ impl<K, const D: usize, const H: usize> Way<'_, K, D, H> {
         if self.sign::<T, M>(number, 1.0) == before {
             return None;
         }
-        let (mut a, mut b) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
+        Some(self.nearer::<T, M>(number, [0.0, 1.0], HALVINGS))
+    }
+
+    /// Nearer to that place, by so many halvings.
+    fn nearer<T: Scalar, const M: usize>(
+        &self,
+        number: usize,
+        [mut a, mut b]: [f64; 2],
+        halvings: u32,
+    ) -> [f64; 2]
+    where
+        K: Kinked<T, D, H, M>,
+    {
+        let before = self.sign::<T, M>(number, a);
+        for _ in 0..halvings {
             let middle = 0.5 * (a + b);
             *(if self.sign::<T, M>(number, middle) == before { &mut a } else { &mut b }) = middle;
         }
         let behind = (b + (b - a)).min(1.0);
         let on_it = self.sign::<T, M>(number, b) == 0 && self.sign::<T, M>(number, behind) != before;
-        Some([a, if on_it { behind } else { b }])
+        [a, if on_it { behind } else { b }]
     }
 
-    /// The kink where this argument changes its sign, if a normal jumps there.
-    fn kink<T: Scalar, const M: usize>(&self, number: usize, [a, b]: [f64; 2]) -> Option<Kink>
+    /// The kink where this argument changes its sign, if a normal jumps there, and does from nearby too.
+    fn kink<T: Scalar, const M: usize>(&self, number: usize, at: [f64; 2]) -> Option<Kink>
+    where
+        K: Kinked<T, D, H, M>,
+    {
+        self.jump::<T, M>(number, at)?;
+        self.jump::<T, M>(number, self.nearer::<T, M>(number, at, FURTHER))
+    }
+
+    /// The kink between these two places, if a normal jumps there.
+    fn jump<T: Scalar, const M: usize>(&self, number: usize, [a, b]: [f64; 2]) -> Option<Kink>
     where
         K: Kinked<T, D, H, M>,
     {
