@@ -230,7 +230,8 @@ impl Chart {
     }
 
     /// A heat map: numbers on a rectangle as colours, with a colour scale. Rows of equal length go from low y to high
-    /// y, each from low x to high x. A chart has one map, under all its curves.
+    /// y, each from low x to high x. A chart has one map, under all its curves. Cells are equally long in x and in y,
+    /// on logarithmic axes too, where they look narrower towards their ends.
     ///
     /// ```
     /// # use rattle::plot::Chart;

@@ -453,3 +453,18 @@ fn impacts_that_lose_energy_have_no_way_back() {
     elastic.run(100).unwrap();
     assert_eq!(elastic.events(), 1);
 }
+
+/// An average over time of a speed that an impact turns round is right to rounding, wherever in a step that is.
+#[test]
+fn averages_over_time_go_to_an_impact_and_from_there() {
+    let scene = Scene::point();
+    for h in [0.3, 0.25] {
+        let start = State::at([0.5]).moving([-1.0]);
+        let mut run = scene.simulate(start, Rattle::new(h)).unwrap().collide(Stop::above(Left {})).unwrap();
+        let mut mean = Mean::over_time(|now: &Sight<'_, 1>| now.momenta[0].x);
+        run.observe(4, 1, &mut mean).unwrap();
+        let exact = (run.position().x - 0.5) / run.time();
+        assert_eq!(run.events(), 1);
+        assert!((mean.mean() - exact).abs() < 1e-14, "{} for {exact}", mean.mean());
+    }
+}

@@ -66,7 +66,7 @@ pub enum MethodFailure {
     #[error(
         "a step h = {h:.3e} is divided into at most 10⁶ inner steps, and the tolerance {tolerance:.1e} needs inner steps \
          of {inner:.1e} at most; try a shorter h, and more steps, or a larger tolerance; where shorter ones fail as well, look \
-         for a singular point nearby"
+         for a singular point nearby, or for a force that jumps (`if`, `abs`, a cut-off): `Taylor::adaptive` finds it"
     )]
     TooManyInnerSteps {
         /// The inner step that the tolerance needs.
@@ -79,7 +79,8 @@ pub enum MethodFailure {
     /// The inner steps needed for the tolerance have become too short.
     #[error(
         "inner steps of {inner:.1e} within h = {h:.3e} still have an error of {error:.1e}, more than the tolerance \
-         {tolerance:.1e}; try a larger tolerance, and look for a singular point nearby"
+         {tolerance:.1e}; try a larger tolerance, and look for a singular point nearby, or for a force that jumps (`if`, `abs`, \
+         a cut-off): `Taylor::adaptive` finds it"
     )]
     StepsCollapse {
         /// The inner step that failed.

@@ -18,6 +18,9 @@ pub struct Mean<Q> {
     /// What is not yet in `all`: so many of these.
     number: usize,
     recent: [f64; RECENT],
+    /// Since the last sight momenta have jumped: the integral until the last jump, the value right after it, and its
+    /// time.
+    jumped: Option<[f64; 3]>,
 }
 
 /// So many sights are joined at a time.
@@ -70,12 +73,20 @@ impl<Q> Mean<Q> {
     where
         Q: Fn(&Sight<'_, D>) -> f64,
     {
-        Self { quantity, over_time: false, all: Moments::of(&[]), number: 0, recent: [0.0; RECENT] }
+        Self {
+            quantity,
+            over_time: false,
+            all: Moments::of(&[]),
+            number: 0,
+            recent: [0.0; RECENT],
+            jumped: None,
+        }
     }
 
     /// The average over time of this quantity, by the trapezoidal rule: between two sights the quantity counts as half
     /// the sum of its values at both. The start of the run is the first of them. For steps of one length; the error is
-    /// that of the rule, of order 2 in the time between sights, where [`of`](Self::of) alone is of order 1.
+    /// that of the rule, of order 2 in the time between sights, where [`of`](Self::of) alone is of order 1. Where
+    /// momenta [jump](Observer::jump) between two sights, at impacts and edges, each part counts by itself.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State, watch::{Mean, Sight}};
@@ -129,12 +140,27 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Mean<Q> {
     #[inline(always)]
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
         let value = (self.quantity)(now);
-        self.recent[self.number] =
-            if self.over_time { 0.5 * ((self.quantity)(before) + value) } else { value };
+        self.recent[self.number] = match self.jumped.take() {
+            _ if !self.over_time => value,
+            None => 0.5 * ((self.quantity)(before) + value),
+            Some([integral, last, time]) => {
+                (integral + 0.5 * (last + value) * (now.time - time)) / (now.time - before.time)
+            }
+        };
         self.number += 1;
         if self.number == RECENT {
             self.settle();
         }
+    }
+
+    fn sees_jumps(&self) -> bool {
+        self.over_time
+    }
+
+    fn jump(&mut self, from: &Sight<'_, D>, before: &Sight<'_, D>, after: &Sight<'_, D>) {
+        let [integral, last, time] = self.jumped.unwrap_or([0.0, (self.quantity)(from), from.time]);
+        let part = 0.5 * (last + (self.quantity)(before)) * (before.time - time);
+        self.jumped = Some([integral + part, (self.quantity)(after), after.time]);
     }
 
     fn join(&mut self, next: Self) {

@@ -14,6 +14,9 @@ use nalgebra::SVector;
 /// sights, and allocates. Momenta of staggered methods, as [`Leapfrog`](crate::methods::leapfrog::Leapfrog), are those
 /// of half a step beside the time of the crossing.
 ///
+/// A crossing is seen where s < 0 at one sight and s ≥ 0 at the next. What passes zero and comes back between two
+/// sights is not: look often enough that s changes its sign no more than once from one sight to the next.
+///
 /// Where momenta [jump](Observer::jump) between two sights, at impacts and edges, the path ends at the jump and begins
 /// anew there. If s itself passes zero by the jump, the crossing is at its instant, with the momenta after it.
 #[doc(alias = "event detection")]
