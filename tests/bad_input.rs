@@ -53,11 +53,18 @@ fn nobody_is_moved_by_every_method() {
     let (scene, nobody) = (Scene::on(Sphere { r: 1.0 }).bodies(0), State::of(Vec::<[f64; 3]>::new()));
     scene.simulate(nobody.clone(), Rattle::new(0.1)).unwrap().run(3).unwrap();
     scene.simulate(nobody, Taylor::adaptive(8, 0.1, 1e-9)).unwrap().run(3).unwrap();
-    let scene = Scene::points::<2>(0);
-    let mut several = scene.ensemble(vec![State::of(Vec::<[f64; 2]>::new()); 3], Rattle::new(0.1)).unwrap();
-    several.run(3);
-    let written = several.checkpoint();
-    several.resume(&written).unwrap();
+    fn several<S: Method + Copy>(method: S) {
+        let nobody = State::of(Vec::<[f64; 2]>::new());
+        let mut several = Scene::points::<2>(0).ensemble(vec![nobody; 3], method).unwrap();
+        several.run(3);
+        let written = several.checkpoint();
+        several.resume(&written).unwrap();
+    }
+    several(Rattle::new(0.1));
+    several(Taylor::new(8, 0.1));
+    several(Taylor::adaptive(8, 0.1, 1e-9));
+    several(Dop853::adaptive(0.1, 1e-9));
+    several(Lobatto::<3>::new(0.1));
     let (scene, nobody) = (Scene::rigid(Rigid::new([1.0; 3])).bodies(0), State::of(Vec::<[f64; 9]>::new()));
     scene.simulate(nobody.clone(), Rattle::new(0.1)).unwrap().run(3).unwrap();
     scene.simulate(nobody.clone(), Dop853::adaptive(0.1, 1e-9)).unwrap().run(3).unwrap();

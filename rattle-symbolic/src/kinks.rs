@@ -22,6 +22,9 @@ use std::collections::BTreeSet;
 /// So many binary digits of a floor are compared: a step over fewer than 2³ jumps is seen.
 const DIGITS: i32 = 3;
 
+/// So deep a sum is looked through for what it goes to and fro about.
+const TERMS: usize = 16;
+
 /// What changes its sign where equations are not smooth.
 pub(crate) struct Kink {
     pub(crate) changes: Id,
@@ -131,7 +134,35 @@ fn divisors(graph: &mut Graph, of: &[Id], seen: &mut Seen) -> Vec<Id> {
         _ => None,
     };
     let divisors: Vec<Id> = new.into_iter().filter_map(divisor).collect();
-    divisors.into_iter().filter(|&b| !graph.never_negative(b)).collect()
+    divisors.into_iter().filter(|&b| !graph.never_negative(b) && !is_never_zero(graph, b)).collect()
+}
+
+/// Whether a sum of a number and of what goes to and fro, as 2 + cos(a) does, keeps its sign.
+fn is_never_zero(graph: &Graph, id: Id) -> bool {
+    range(graph, id, TERMS).is_some_and(|[middle, most]| middle.abs() > most)
+}
+
+/// What such a sum goes to and fro about, and how far at most; none where it is another one, or of more operations.
+fn range(graph: &Graph, id: Id, operations: usize) -> Option<[f64; 2]> {
+    if let Some(number) = graph.number(id) {
+        return Some([number, 0.0]);
+    }
+    let part = |part| range(graph, part, operations.checked_sub(1)?);
+    match *graph.node(id) {
+        Node::Call(Function::Sin | Function::Cos | Function::Tanh | Function::Erf, _) => Some([0.0, 1.0]),
+        Node::Neg(a) => part(a).map(|[middle, most]| [-middle, most]),
+        Node::Add(a, b) => part(a).zip(part(b)).map(|(a, b)| [a[0] + b[0], a[1] + b[1]]),
+        Node::Sub(a, b) => part(a).zip(part(b)).map(|(a, b)| [a[0] - b[0], a[1] + b[1]]),
+        Node::Mul(a, b) => {
+            let (factor, [middle, most]) = match (graph.number(a), graph.number(b)) {
+                (Some(factor), _) => (factor, part(b)?),
+                (_, Some(factor)) => (factor, part(a)?),
+                _ => return None,
+            };
+            Some([factor * middle, factor.abs() * most])
+        }
+        _ => None,
+    }
 }
 
 /// The edges of a root, a power or a length.
@@ -148,12 +179,13 @@ fn cut(graph: &mut Graph, a: Id, b: Id) -> Kink {
     Kink { changes, shown: a }
 }
 
-/// a where c is no more than k a², else 1: √(k a² + c) is smooth as seen from so far.
+/// a where |c| is no more than k a², else 1: √(k a² + c) is smooth as seen from so far.
 fn edge(graph: &mut Graph, factor: &Factor) -> Kink {
     let one = graph.constant(1.0);
     let mut changes = factor.base;
     for limit in &factor.limits {
-        changes = graph.select(Comparison::LessOrEqual, limit.rest, limit.core, changes, one);
+        let rest = graph.call(Function::Abs, limit.rest);
+        changes = graph.select(Comparison::LessOrEqual, rest, limit.core, changes, one);
     }
     Kink { changes, shown: factor.base }
 }

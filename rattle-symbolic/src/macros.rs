@@ -174,14 +174,18 @@ fn check_moving(variables: &[Variable], problems: &mut Problems) {
     }
 }
 
-/// A velocity among the coordinates of a force of so many components: the first variable of all, or, where there are
-/// velocities, one among the first half of the variables.
+/// A velocity among the coordinates of a force of so many components: the first variable of all, or, where what is
+/// called a velocity is half of the variables, one among the first half. (In `|u, v, du, dv|` it is not: v is a
+/// coordinate.)
 fn early_velocity(variables: &[Variable], all: usize, components: usize) -> Option<&Variable> {
-    let coordinates = if all == 2 * components { components } else { 0 };
+    let size = |variable: &Variable| variable.shape.iter().product::<usize>();
+    let velocities =
+        variables.iter().filter(|variable| is_velocity(&variable.name.to_string())).map(size).sum();
+    let coordinates = if all == 2 * components && components == velocities { components } else { 0 };
     let mut before = 0;
     variables.iter().enumerate().find_map(|(place, variable)| {
         let early = place == 0 || before < coordinates;
-        before += variable.shape.iter().product::<usize>();
+        before += size(variable);
         (early && is_velocity(&variable.name.to_string())).then_some(variable)
     })
 }

@@ -222,6 +222,7 @@ fn variables_have_their_order() {
         (Macro::Force, "{ c } |vertical, vx| -c * vx", None),
         (Macro::Force, "{ c } |_q, v| -c * v", None),
         (Macro::Force, "{ c } |x, v, y| [c * x, c * v, c * y]", None),
+        (Macro::Force, "{ c } |u, v, du, dv| [-c * u - du, -c * v - dv]", None),
         (Macro::Force, "{ c } |x, y, vx, vy| [-c * x - vx, -c * y - vy]", None),
         (Macro::Potential, "{ c } |v| c * v^2", None),
         (Macro::Constraint, "{ w } |t, x, y| x * sin(w * t) - y * cos(w * t)", Some(time)),

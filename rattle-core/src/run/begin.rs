@@ -110,8 +110,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         if const { <E::Forces<f64> as Forces<f64, D>>::LOOKS } {
             system.fits(&mut bodies_at(&system, start)).map_err(refused)?;
         }
-        self.check_forces(&start.bodies, start.time)?;
-        self.check_energy(&start.bodies, start.time)?;
+        self.check_effects(&start.bodies, start.time)?;
         if const { <C::System<E, N> as Parts<f64, D>>::MOMENTA < D } {
             let checked = system.check_flows(method.step_size(), &bodies_at(&system, start));
             checked.map_err(refused)?;
@@ -143,29 +142,25 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         Simulation::new(system, bodies, start, method, trajectory)
     }
 
-    fn check_forces(&self, bodies: &[Body<f64, D>], time: f64) -> Result<(), Error> {
-        for (body, force) in self.forces(bodies, time).iter().enumerate() {
+    /// Whether forces are finite, and energies are numbers: a potential may have a force where it has no value, and the
+    /// energy of such a run would be NaN in silence.
+    fn check_effects(&self, bodies: &[Body<f64, D>], time: f64) -> Result<(), Error> {
+        if const { E::Forces::<f64>::EFFECTS == 0 } {
+            return Ok(());
+        }
+        let (positions, effects) = (Body::positions(bodies), self.effects.forces::<f64>());
+        let at = Moment { time, positions: &positions };
+        let mut forces: Vec<<E::Forces<f64> as Forces<f64, D>>::Force> = vec![Force::zero(); bodies.len()];
+        effects.evaluate(at, &mut effects.room(bodies.len()), &mut forces);
+        for (body, force) in forces.iter().enumerate() {
             let force = force.components();
             if !is_finite(&force) {
-                let positions = Body::positions(bodies);
-                let at = Moment { time, positions: &positions };
-                let culprit = self.effects.forces::<f64>().culprit(at, body);
-                let effect = if let Some((name, _)) = culprit { name } else { "sum of effects" };
+                let effect = effects.culprit(at, body).map_or("sum of effects", |(name, _)| name);
                 let cause = StartFailure::ForceNotFinite { effect, force: force.to_vec() };
                 return Err(Error::Start { body, cause });
             }
         }
-        Ok(())
-    }
-
-    /// A potential may have a force where it has no value: the energy of such a run would be NaN in silence.
-    fn check_energy(&self, bodies: &[Body<f64, D>], time: f64) -> Result<(), Error> {
-        if const { E::Forces::<f64>::EFFECTS == 0 } {
-            return Ok(());
-        }
-        let positions = Body::positions(bodies);
-        let at = Moment { time, positions: &positions };
-        match self.effects.forces::<f64>().without_energy(at) {
+        match effects.without_energy(at) {
             Some(effect) => Err(Error::Effect { effect, mistake: EffectMistake::NoEnergy }),
             None => Ok(()),
         }

@@ -124,7 +124,11 @@ impl MovesLinks for (Taylor, Fusing) {
     {
         let laws = LinkedLaws::<_, D, W>::by_all(network, effects, bodies, true)?;
         let series = SeriesLaws::of(&laws.1, series_in_lanes::of_all(effects, bodies)?)?;
-        Some(Box::new(LinkedProjected::new(laws, TaylorOfLinks { method: self.0, laws: series }, self.1)))
+        Some(Box::new(LinkedProjected::new(
+            laws,
+            TaylorOfLinks { method: self.0, laws: Arc::new(series) },
+            self.1,
+        )))
     }
 
     fn each<E: Effects<D> + 'static, const D: usize>(
@@ -136,7 +140,11 @@ impl MovesLinks for (Taylor, Fusing) {
         let laws = LinkedLaws::by_each(networks, effects, bodies, true)?;
         let of = |lane: usize| if lane < effects.len() { effects[lane] } else { effects[0] };
         let series = SeriesLaws::of(&laws.1, series_in_lanes::of_each::<_, D, ROW>(of, bodies)?)?;
-        Some(Box::new(LinkedProjected::new(laws, TaylorOfLinks { method: self.0, laws: series }, self.1)))
+        Some(Box::new(LinkedProjected::new(
+            laws,
+            TaylorOfLinks { method: self.0, laws: Arc::new(series) },
+            self.1,
+        )))
     }
 }
 

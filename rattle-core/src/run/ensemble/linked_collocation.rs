@@ -28,9 +28,10 @@ use crate::systems::network::in_lanes::{Number, Numbers, Which, any, zeros};
 /// Passes after which a lane goes by itself.
 const MOST_PASSES: usize = 40;
 
-/// Displacements that shrink by less than this are roundings, after so many passes; or are not solved for, after so
-/// many more.
+/// Displacements that shrink by less than this are roundings, from this pass on where they are small …
 const STALLED: (f64, usize) = (0.9, 4);
+
+/// … and from this pass on have no end where they are not.
 const PATIENCE: usize = 20;
 
 /// Coefficients of a method with a step size; of each what rounding took from it, too.
@@ -67,14 +68,15 @@ impl Coefficients {
 /// Where steps lead, by collocation.
 pub(super) struct Collocation<const W: usize> {
     with: Coefficients,
-    /// Groups of coordinates and of equations that reach each other.
+    /// Groups of coordinates and of equations that reach each other, and which groups are of one loose body.
     groups: [Vec<usize>; 2],
+    loose: Vec<bool>,
     /// 1 over the masses.
     over: Vec<Numbers<W>>,
-    /// w and its change in this pass, stage by stage and coordinate by coordinate.
+    /// w and its change in this pass, stage by stage but for the last, and coordinate by coordinate.
     total: Vec<Numbers<W>>,
     change: Vec<Numbers<W>>,
-    /// λ, and residuals or what answers them, stage by stage and equation by equation.
+    /// λ likewise, equation by equation; and residuals, or what answers them, of all stages.
     lambda: Vec<Numbers<W>>,
     right: Vec<Numbers<W>>,
     /// Entries of G, stage by stage.
@@ -96,13 +98,15 @@ impl<const W: usize> Collocation<W> {
         let (s, n, m) = (with.stages, plan.coordinates, plan.equations);
         let rows = |number: usize| vec![zeros::<W>(); number];
         let (groups, number) = groups(plan, dimension);
+        let loose = (0..number).map(|group| !groups[1].contains(&group)).collect();
         Self {
             with,
             groups,
+            loose,
             over: plan.masses.iter().map(|&[_, over]| every(Fused(over))).collect(),
-            total: rows(s * n),
-            change: rows(s * n),
-            lambda: rows(s * m),
+            total: rows((s - 1) * n),
+            change: rows((s - 1) * n),
+            lambda: rows((s - 1) * m),
             right: rows(s * m),
             normals: rows(s * plan.of_entry.len()),
             shift: rows(n),
@@ -116,12 +120,14 @@ impl<const W: usize> Collocation<W> {
     }
 }
 
-/// How often forces are evaluated at a stage of a step, about: for the bill.
-pub(super) const EVALUATIONS: u32 = 6;
+/// How often a step of so many stages evaluates forces, about: some passes, and once at the end. For the bill.
+pub(super) const fn evaluations(stages: u32) -> u32 {
+    6 * (stages - 2) + 1
+}
 
-/// How many numbers of each lane go on from step to step: whether there are any, w and λ of all stages.
+/// How many numbers of each lane go on from step to step: whether there are any, w and λ of all stages but the last.
 pub(super) fn remembered(stages: usize, plan: &LinkedPlan) -> usize {
-    1 + stages * (plan.coordinates + plan.equations)
+    1 + (stages - 1) * (plan.coordinates + plan.equations)
 }
 
 /// The group of each coordinate, and of each equation: of bodies that are linked, or one that is loose.
@@ -150,8 +156,12 @@ impl<const W: usize> Departs<W> for Collocation<W> {
     }
 
     fn kick(&mut self, stand: &mut Stand<'_, W>, pulling: &mut Pulls<'_, '_, W>) {
-        let ([last, _], to) = (self.with.kick[self.with.stages - 1], stand.course.plan.places.way_low);
-        stand.course.kick(last.0, to, &mut stand.numbers, pulling);
+        let [last, _] = self.with.kick[self.with.stages - 1];
+        stand.pull_there(pulling);
+        let (plan, way_low) = (stand.course.plan, stand.course.plan.places.way_low);
+        for &c in &plan.moving {
+            add_times(last, &stand.pulled[c], &mut stand.numbers[way_low + c]);
+        }
     }
 }
 
@@ -191,15 +201,15 @@ impl<const W: usize> Collocation<W> {
     /// The first guess, and the matrix of the start.
     #[inline(always)]
     fn begin(&mut self, stand: &mut Stand<'_, W>) {
-        let Self { with, groups: [_, of_row], over, total, lambda, normals, sizes, last, .. } = self;
+        let Self { with, groups: [of_coordinate, of_row], loose, over, total, lambda, normals, .. } = self;
         let Stand { course: Course { plan, over: of_lanes, .. }, numbers, tracks, past, .. } = stand;
-        let (s, n, m, entries) = (with.stages, plan.coordinates, plan.equations, plan.of_entry.len());
-        let Places { gradient, .. } = plan.places;
+        let (s, n, entries) = (with.stages, plan.coordinates, plan.of_entry.len());
+        let (Places { gradient, .. }, sizes) = (plan.places, &mut self.sizes);
         if let Some(of_lanes) = of_lanes {
             over.copy_from_slice(of_lanes);
         }
         let (filled, past) = past.split_at(1);
-        let (before, multipliers) = past.split_at(s * n);
+        let (before, multipliers) = past.split_at((s - 1) * n);
         extrapolate(with, &filled[0], &stand.pull, before, total);
         extrapolate(with, &filled[0], &stand.multipliers, multipliers, lambda);
         normals[..entries].copy_from_slice(&stand.normals);
@@ -207,14 +217,17 @@ impl<const W: usize> Collocation<W> {
         plan.lift(*of_lanes, numbers);
         plan.factor.carry_out(numbers);
         sizes.fill(zeros());
-        for (i, entries) in plan.of_row.iter().enumerate().take(m) {
+        for (i, entries) in plan.of_row.iter().enumerate() {
             let (mut square, mut along, mut most) = (zeros::<W>(), zeros::<W>(), zeros::<W>());
             for &[entry, c] in entries {
                 terms(&stand.normals[entry], &tracks[0].now[c], &mut square, &mut along, &mut most);
             }
             size_of_row(&square, &along, &most, &mut sizes[of_row[i]]);
         }
-        *last = every(Fused(f64::INFINITY));
+        for &c in plan.moving.iter().filter(|&&c| loose[of_coordinate[c]]) {
+            larger(&tracks[0].now[c], &mut sizes[of_coordinate[c]]);
+        }
+        self.last = every(Fused(f64::INFINITY));
     }
 
     /// g, its gradients and w at all stages, and what w changes by.
@@ -233,7 +246,7 @@ impl<const W: usize> Collocation<W> {
         for i in 1..s {
             for &c in &plan.moving {
                 let mut by = zeros();
-                self::way(with, i, n, c, total, &tracks[1], &mut by);
+                way_to(with, i, n, c, total, &tracks[1], &mut by);
                 let from = [&tracks[0].now[c], &tracks[0].low[c]];
                 lead(&by, from, &mut numbers[q + c], &mut ways[of_coordinate[c]]);
             }
@@ -345,7 +358,7 @@ impl<const W: usize> Collocation<W> {
         let (Places { q, q_low, way, way_low, .. }, n) = (plan.places, plan.coordinates);
         for &c in &plan.moving {
             let [mut by, mut kicked] = [zeros(); 2];
-            self::way(with, with.stages - 1, n, c, total, &tracks[1], &mut by);
+            way_to(with, with.stages - 1, n, c, total, &tracks[1], &mut by);
             kicks(with, n, c, total, &mut kicked);
             for (track, (by, [high, low])) in
                 tracks.iter().zip([(&by, [q, q_low]), (&kicked, [way, way_low])])
@@ -374,7 +387,7 @@ fn extrapolate<const W: usize>(
 ) {
     let (s, n) = (with.stages, start.len());
     to[..n].copy_from_slice(start);
-    for i in 1..s {
+    for i in 1..s - 1 {
         let ahead = &with.ahead[i * s..][..s];
         for c in 0..n {
             let mut sum = zeros();
@@ -406,7 +419,7 @@ fn size_of_row<const W: usize>(
 
 /// The way of a coordinate to a stage: what rounding took comes first, since added to a rounded sum it would be lost.
 #[inline(always)]
-fn way<const W: usize>(
+fn way_to<const W: usize>(
     with: &Coefficients,
     stage: usize,
     n: usize,
@@ -450,6 +463,14 @@ fn lead<const W: usize>(
     for l in 0..W {
         to.0[l] = from.0[l] + (low.0[l] + by.0[l]);
         farthest.0[l] = farthest.0[l].max(by.0[l].abs());
+    }
+}
+
+/// Notes the size of a coordinate.
+#[inline(always)]
+fn larger<const W: usize>(q: &Numbers<W>, most: &mut Numbers<W>) {
+    for l in 0..W {
+        most.0[l] = most.0[l].max(q.0[l].abs());
     }
 }
 
@@ -504,7 +525,7 @@ fn displace<const W: usize>(
     }
 }
 
-/// The more of a displacement in roundings, and of those before; no number if one is none.
+/// A displacement in roundings, where that is more than those before, and where it is no number.
 #[inline(always)]
 fn slower<const W: usize>(
     shift: &Numbers<W>,

@@ -3,7 +3,7 @@
 //! waits for its slowest lane, and what becomes of a lane depends on itself alone.
 //!
 //! ```text
-//! q̂, v̂                 by the method (`linked_stages`, `linked_series`), regardless of the constraints
+//! q̂, v̂                 by the method (`linked_stages`, `linked_series`, `linked_collocation`)
 //! q′ = q̂ − M⁻¹Gᵀ x      Newton's method, with G where it is
 //! v′ = v̂ − M⁻¹Gᵀ(q′) η  η such that G(q′) v′ = 0
 //! ```
@@ -76,9 +76,9 @@ impl<const W: usize> Work for ProjectedSteps<'_, '_, W> {
                 .iter_mut()
                 .zip(state(&mut desk.stand.tracks))
                 .for_each(|(to, from)| to.copy_from_slice(from));
-            kept.past.copy_from_slice(&desk.stand.past);
             desk.look_around(number + 1, kept)?;
         }
+        kept.past.copy_from_slice(&desk.stand.past);
         Ok(())
     }
 }

@@ -87,7 +87,7 @@ where
         self
     }
     fn evaluations(&self) -> u32 {
-        (S as u32 - 1) * collocation::EVALUATIONS
+        collocation::evaluations(S as u32)
     }
     fn remembers(&self, plan: &LinkedPlan) -> usize {
         collocation::remembered(S, plan)
@@ -106,7 +106,7 @@ where
 #[derive(Clone)]
 pub(super) struct TaylorOfLinks {
     pub(super) method: Taylor,
-    pub(super) laws: SeriesLaws,
+    pub(super) laws: Arc<SeriesLaws>,
 }
 
 impl ProjectsLinks for TaylorOfLinks {
@@ -131,7 +131,7 @@ impl ProjectsLinks for TaylorOfLinks {
         from: usize,
         to: usize,
     ) {
-        self.laws.copy(laws, from, to);
+        Arc::make_mut(&mut self.laws).copy(laws, from, to);
     }
 }
 

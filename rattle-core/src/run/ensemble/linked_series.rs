@@ -10,7 +10,7 @@
 //! that have arrived are left out where all of a few have.
 
 use crate::kernel::series::{Products, blocks};
-use crate::methods::taylor::{SMALLEST_PART, Taylor};
+use crate::methods::taylor::{INSIDE, SMALLEST_PART, Taylor};
 use crate::motion::method::Method;
 use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
@@ -31,9 +31,17 @@ const ROUNDINGS_OF_SERIES: f64 = 1024.0;
 pub(super) struct Expansion<'a, const W: usize> {
     method: Taylor,
     few: Few<'a>,
-    /// By how much inner steps change places and velocities.
+    /// At the end of inner steps, and with a tolerance at times [inside](INSIDE) of them.
+    end: Summed<W>,
+    inside: Vec<Summed<W>>,
+}
+
+/// The series after a part of an inner step.
+struct Summed<const W: usize> {
+    part: Number,
+    /// By how much places and velocities are changed.
     changes: [Vec<Numbers<W>>; 2],
-    /// Accelerations at their ends; and of each body their last two terms, which tell what the series leaves out.
+    /// Accelerations; and of each body their last two terms, which tell what the series leaves out.
     bends: Vec<Numbers<W>>,
     left_out: Vec<Numbers<W>>,
 }
@@ -73,36 +81,43 @@ impl<'a, const W: usize> Expansion<'a, W> {
             pull: vec![zeros(); n],
         };
         let rows = |number: usize| vec![zeros(); number];
-        Self { method, few, changes: [rows(n), rows(n)], bends: rows(n), left_out: rows(n / dimension) }
+        let summed = |part: f64| Summed {
+            part: Fused(part),
+            changes: [rows(n), rows(n)],
+            bends: rows(n),
+            left_out: rows(n / dimension),
+        };
+        let inside = method.tolerance().map(|_| INSIDE.map(summed).into_iter().collect());
+        Self { method, few, end: summed(1.0), inside: inside.unwrap_or_default() }
     }
 }
 
 impl<const W: usize> Departs<W> for Expansion<'_, W> {
-    fn depart(&mut self, stand: &mut Stand<'_, W>, _: &mut Pulls<'_, '_, W>) {
-        stand.course.set.run(Depart { expansion: self, stand });
+    fn depart(&mut self, stand: &mut Stand<'_, W>, pulling: &mut Pulls<'_, '_, W>) {
+        stand.course.set.run(Depart { expansion: self, stand, pulling });
     }
 
     fn compare(&mut self, stand: &mut Stand<'_, W>) {
         if let Some(tolerance) = self.method.tolerance() {
-            stand.course.set.run(Compare { expansion: self, stand, tolerance });
+            stand.course.set.run(Compare { summed: &self.end, stand, tolerance });
         }
     }
 }
 
-struct Depart<'a, 'b, 'c, const W: usize> {
+struct Depart<'a, 'b, 'c, 'd, 'e, const W: usize> {
     expansion: &'a mut Expansion<'b, W>,
     stand: &'a mut Stand<'c, W>,
+    pulling: &'a mut Pulls<'d, 'e, W>,
 }
 
-impl<const W: usize> Work for Depart<'_, '_, '_, W> {
+impl<const W: usize> Work for Depart<'_, '_, '_, '_, '_, W> {
     type Done = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { expansion: Expansion { method, few, changes: [ways, changes], bends, left_out }, stand } =
-            self;
+        let Self { expansion: Expansion { method, few, end, inside }, stand, pulling } = self;
         let plan = stand.course.plan;
-        let (Places { q, q_low, way, way_low, .. }, n) = (plan.places, plan.coordinates);
+        let Places { q, q_low, way, way_low, .. } = plan.places;
         for first in (0..W).step_by(FEW) {
             if !stand.pace.going[first..first + FEW].contains(&MOVES) {
                 continue;
@@ -110,20 +125,22 @@ impl<const W: usize> Work for Depart<'_, '_, '_, W> {
             few.gather(stand, first);
             few.expand(&stand.course, first / FEW);
             let inner = few.measure(method, stand, first);
-            for c in 0..n {
-                let [mut x, mut y, mut z] = [zeros(); 3];
-                sum_up(&few.series[c..], n, &inner, &mut x, &mut y, &mut z);
-                for (row, few) in [(&mut ways[c], &x), (&mut changes[c], &y), (&mut bends[c], &z)] {
-                    row.0[first..first + FEW].copy_from_slice(&few.0);
-                }
-            }
-            for (body, row) in left_out.iter_mut().enumerate() {
-                let mut terms = zeros();
-                let own = body * stand.dimension..(body + 1) * stand.dimension;
-                last_terms(&few.series, n, own, &inner, &mut terms);
-                row.0[first..first + FEW].copy_from_slice(&terms.0);
+            few.sum(&inner, first, end);
+            for summed in &mut *inside {
+                few.sum(&inner, first, summed);
             }
         }
+        // A force that the series knows nothing of may be met on the way.
+        for (summed, tolerance) in inside.iter().zip(method.tolerance().into_iter().cycle()) {
+            for &c in &plan.moving {
+                for (number, (track, changes)) in stand.tracks.iter().zip(&summed.changes).enumerate() {
+                    stand.numbers[[q, way][number] + c] = track.now[c] + changes[c];
+                }
+            }
+            stand.respond(true, pulling);
+            compare(summed, stand, tolerance);
+        }
+        let [ways, changes] = &end.changes;
         for &c in &plan.moving {
             let changes = [(&ways[c], [q, q_low]), (&changes[c], [way, way_low])];
             for (track, (by, [high, low])) in stand.tracks.iter().zip(changes) {
@@ -161,7 +178,7 @@ impl Few<'_> {
         let Self { laws, pulling, of_links, own, numbers, over, series, normals, forces, pull } = self;
         let Places { g, change, x, .. } = plan.places;
         let (n, entries) = (plan.coordinates, plan.of_entry.len());
-        let last = series.len() / n - 1;
+        let last = (series.len() / n.max(1)).saturating_sub(1); // 0 without bodies
         plan.lift(Some(over), numbers);
         plan.factor.carry_out(numbers);
         for k in 0..last {
@@ -215,6 +232,29 @@ impl Few<'_> {
             {
                 pulling.pull(set, few, k, &series[now], forces);
             }
+        }
+    }
+
+    /// Sums the series of these lanes, from this one on, up to a part of inner steps of these lengths.
+    #[inline(always)]
+    fn sum<const W: usize>(&self, inner: &Numbers<FEW>, first: usize, to: &mut Summed<W>) {
+        let Summed { part, changes: [ways, changes], bends, left_out } = to;
+        let (n, mut time) = (self.forces.len(), *inner);
+        for l in 0..FEW {
+            time.0[l] = time.0[l] * *part;
+        }
+        for c in 0..n {
+            let [mut x, mut y, mut z] = [zeros(); 3];
+            sum_up(&self.series[c..], n, &time, &mut x, &mut y, &mut z);
+            for (row, few) in [(&mut ways[c], &x), (&mut changes[c], &y), (&mut bends[c], &z)] {
+                row.0[first..first + FEW].copy_from_slice(&few.0);
+            }
+        }
+        let dimension = n / left_out.len().max(1);
+        for (body, row) in left_out.iter_mut().enumerate() {
+            let mut terms = zeros();
+            last_terms(&self.series, n, body * dimension..(body + 1) * dimension, &time, &mut terms);
+            row.0[first..first + FEW].copy_from_slice(&terms.0);
         }
     }
 
@@ -356,36 +396,43 @@ fn last_terms(
 }
 
 /// See [`Departs::compare`]: inner steps may end in another branch of a potential.
-struct Compare<'a, 'b, 'c, const W: usize> {
-    expansion: &'a Expansion<'b, W>,
-    stand: &'a mut Stand<'c, W>,
+struct Compare<'a, 'b, const W: usize> {
+    summed: &'a Summed<W>,
+    stand: &'a mut Stand<'b, W>,
     tolerance: f64,
 }
 
-impl<const W: usize> Work for Compare<'_, '_, '_, W> {
+impl<const W: usize> Work for Compare<'_, '_, W> {
     type Done = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { expansion: Expansion { bends, left_out, .. }, stand, tolerance } = self;
-        let Stand { course: Course { plan, .. }, pace, numbers, tracks: [places, _], dimension, .. } = stand;
-        let (Places { q, change, .. }, h) = (plan.places, pace.h());
-        let (tolerance, roundings) = (Fused(tolerance), Fused(ROUNDINGS_OF_SERIES * f64::EPSILON));
-        for own in plan.moving.chunk_by(|a, b| a / *dimension == b / *dimension) {
-            let [mut off, mut size, mut most]: [Numbers<W>; 3] = [zeros(); 3];
-            for &c in own {
-                let to = [&places.now[c], &numbers[q + c], &numbers[change + c], &bends[c]];
-                widest(to, &mut off, &mut size, &mut most);
-            }
-            let left_out = &left_out[own[0] / *dimension];
-            for l in 0..W {
-                let inner = pace.inner.0[l];
-                let off = off.0[l] - left_out.0[l];
-                let size = size.0[l] + most.0[l] * inner * inner;
-                // In the time of both steps; rounding is that of places in the square of the inner one.
-                let within = tolerance + roundings * size * (h / inner).abs();
-                pace.doubt(l, (off * (inner * h).abs()).0 <= within.0);
-            }
+        compare(self.summed, self.stand, self.tolerance);
+    }
+}
+
+/// Has lanes go by themselves in which the series is not that of the motion after this part of an inner step, of which
+/// the numbers are.
+#[inline(always)]
+fn compare<const W: usize>(summed: &Summed<W>, stand: &mut Stand<'_, W>, tolerance: f64) {
+    let Summed { part, bends, left_out, .. } = summed;
+    let Stand { course: Course { plan, .. }, pace, numbers, tracks: [places, _], dimension, .. } = stand;
+    let (Places { q, change, .. }, h) = (plan.places, pace.h());
+    let (tolerance, roundings) = (Fused(tolerance), Fused(ROUNDINGS_OF_SERIES * f64::EPSILON));
+    for own in plan.moving.chunk_by(|a, b| a / *dimension == b / *dimension) {
+        let [mut off, mut size, mut most]: [Numbers<W>; 3] = [zeros(); 3];
+        for &c in own {
+            let to = [&places.now[c], &numbers[q + c], &numbers[change + c], &bends[c]];
+            widest(to, &mut off, &mut size, &mut most);
+        }
+        let left_out = &left_out[own[0] / *dimension];
+        for l in 0..W {
+            let time = pace.inner.0[l] * *part;
+            let off = off.0[l] - left_out.0[l];
+            let size = size.0[l] + most.0[l] * time * time;
+            // In the time of both steps; rounding is that of places in the square of the inner one.
+            let within = tolerance + roundings * size * (h / time).abs();
+            pace.doubt(l, (off * (time * h).abs()).0 <= within.0);
         }
     }
 }

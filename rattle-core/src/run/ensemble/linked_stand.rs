@@ -46,6 +46,9 @@ pub(super) struct Stand<'a, const W: usize> {
     /// number is 0 in lanes that have no step to remember.
     pub(super) past: Vec<Numbers<W>>,
     pub(super) multipliers: Vec<Numbers<W>>,
+    /// M⁻¹f of places on trial, and whether it was evaluated there.
+    pub(super) pulled: Vec<Numbers<W>>,
+    is_pulled: bool,
     /// Two numbers of each equation.
     pub(super) of_equations: [Vec<Numbers<W>>; 2],
 }
@@ -72,6 +75,8 @@ impl<'a, const W: usize> Stand<'a, W> {
             normals: rows(entries),
             past: rows(remembered),
             multipliers: rows(if remembered == 0 { 0 } else { m }),
+            pulled: rows(if remembered == 0 { 0 } else { n }),
+            is_pulled: false,
             of_equations: [rows(m), rows(m)],
         }
     }
@@ -103,8 +108,20 @@ impl<'a, const W: usize> Stand<'a, W> {
     /// of these places, which else are known.
     #[inline(always)]
     pub(super) fn respond(&mut self, afresh: bool, pulling: &mut Pulls<'_, '_, W>) {
-        let Self { course, numbers, of_equations, .. } = self;
-        course.set.run(Respond { course, numbers, of_equations, pulling, afresh });
+        let Self { course, numbers, of_equations, pulled, .. } = self;
+        let known = std::mem::take(&mut self.is_pulled).then_some(&pulled[..]);
+        course.set.run(Respond { course, numbers, of_equations, pulling, afresh, known });
+    }
+
+    /// Evaluates M⁻¹f at places on trial, for the accelerations there as well.
+    #[inline(always)]
+    pub(super) fn pull_there(&mut self, pulling: &mut Pulls<'_, '_, W>) {
+        let Self { course, numbers, pulled, .. } = self;
+        let (Places { change, .. }, n) = (course.plan.places, course.plan.coordinates);
+        numbers[change..change + n].fill(zeros());
+        course.kick(1.0, change, numbers, pulling);
+        pulled.copy_from_slice(&numbers[change..change + n]);
+        self.is_pulled = true;
     }
 }
 
@@ -115,6 +132,8 @@ struct Respond<'a, 'b, 'c, 'd, const W: usize> {
     of_equations: &'a mut [Vec<Numbers<W>>; 2],
     pulling: &'a mut Pulls<'c, 'd, W>,
     afresh: bool,
+    /// M⁻¹f, where it is known.
+    known: Option<&'a [Numbers<W>]>,
 }
 
 impl<const W: usize> Work for Respond<'_, '_, '_, '_, W> {
@@ -122,7 +141,7 @@ impl<const W: usize> Work for Respond<'_, '_, '_, '_, W> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { course, numbers, of_equations: [bends, turns], pulling, afresh } = self;
+        let Self { course, numbers, of_equations: [bends, turns], pulling, afresh, known } = self;
         let Course { plan, links, over, set, .. } = *course;
         let (Places { q, way, change, g, .. }, n) = (plan.places, plan.coordinates);
         if afresh {
@@ -130,8 +149,12 @@ impl<const W: usize> Work for Respond<'_, '_, '_, '_, W> {
             plan.lift(over, numbers);
             plan.factor.carry_out(numbers);
         }
-        numbers[change..change + n].fill(zeros());
-        course.kick(1.0, change, numbers, pulling);
+        if let Some(known) = known {
+            numbers[change..change + n].copy_from_slice(known);
+        } else {
+            numbers[change..change + n].fill(zeros());
+            course.kick(1.0, change, numbers, pulling);
+        }
         plan.rates.carry_out(numbers);
         links.bends(set, [&numbers[q..q + n], &numbers[way..way + n]], bends, turns);
         for (i, bend) in bends.iter().enumerate() {
