@@ -176,8 +176,13 @@ struct Way<'a, K, const D: usize, const H: usize> {
     change: Place<f64, D, H>,
 }
 
-/// g as a length, and ∇g/|∇g|.
-type Side<const D: usize, const H: usize> = (f64, Place<f64, D, H>);
+/// g, |∇g|, and ∇g/|∇g|.
+type Side<const D: usize, const H: usize> = (f64, f64, Place<f64, D, H>);
+
+/// g as a length, by the normal there, or where there is none by that of a place farther off.
+fn as_length<const D: usize, const H: usize>(here: &Side<D, H>, farther: &Side<D, H>) -> f64 {
+    here.0 / if here.1.is_normal() { here.1 } else { farther.1 }
+}
 
 impl<K, const D: usize, const H: usize> Way<'_, K, D, H> {
     fn at<T: Scalar>(&self, share: f64) -> Place<T, D, H> {
@@ -203,7 +208,7 @@ impl<K, const D: usize, const H: usize> Way<'_, K, D, H> {
         from_fn(|equation| {
             let gradient = gradients[equation].map(|half| half.map(T::to_f64));
             let length = length(&gradient);
-            (g[equation].to_f64() / length, gradient.map(|half| half.map(|x| x / length)))
+            (g[equation].to_f64(), length, gradient.map(|half| half.map(|x| x / length)))
         })
     }
 
@@ -258,13 +263,16 @@ impl<K, const D: usize, const H: usize> Way<'_, K, D, H> {
         let way = length(&self.change);
         let size = self.from.iter().map(largest).fold(way, f64::max);
         (0..M).find_map(|equation| {
-            let turn = distance(&start[equation].1, &last[equation].1)
-                + distance(&first[equation].1, &end[equation].1);
-            let smooth = (turn * turn).clamp(SMALLEST.max(ROUNDINGS * T::EPSILON), LARGEST);
+            let [start, last, first, end] = [&start, &last, &first, &end].map(|side| &side[equation]);
+            let turn = distance(&start.2, &last.2) + distance(&first.2, &end.2);
+            // Where a quotient overflows there is no normal to compare, and the surface alone tells.
+            let none = turn.is_nan();
+            let smooth = if none { LARGEST } else { turn * turn };
+            let smooth = smooth.clamp(SMALLEST.max(ROUNDINGS * T::EPSILON), LARGEST);
             // The rounding of g, as where the way begins, on the surface.
-            let rounding = ROUNDINGS * (T::EPSILON * size + start[equation].0.abs());
-            let jump = distance(&last[equation].1, &first[equation].1);
-            let gap = (last[equation].0 - first[equation].0).abs();
+            let rounding = ROUNDINGS * (T::EPSILON * size + as_length(start, end).abs());
+            let jump = if none { 0.0 } else { distance(&last.2, &first.2) };
+            let gap = (as_length(last, start) - as_length(first, end)).abs();
             let jumps = jump > smooth || gap > smooth * way + rounding;
             jumps.then(|| Kink {
                 argument: K::KINKS[number],
