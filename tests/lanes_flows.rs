@@ -547,12 +547,10 @@ fn some_scenes_change_with_time() {
     }
 }
 
-/// However far a field turns momenta in half a step, by an angle of 2 atan a, it does no work, but for the rounding of
-/// that map, which goes with a². Where it leaves the impulse of the surface undetermined, a lane goes by itself, and is
-/// refused as a simulation is.
+/// However strong a field is, half a step turns momenta by less than a right angle: it does no work, and leaves no
+/// impulse of the surface undetermined. (Half turns of up to 180° did, at 1e6 and above.)
 #[test]
 fn strong_fields_do_no_work() {
-    let mut refused = 0;
     for b in [10.0, 1e3, 1e5, 1e6, 1e7] {
         let scene = Scene::on(Sphere { r: 1.0 }).with(MagneticField::new([b, 2.0 * b, -b]));
         let begin = |i: u64| State::at([(i as f64).cos(), (i as f64).sin(), 0.0]).moving([0.0, 0.0, 0.5]);
@@ -560,13 +558,10 @@ fn strong_fields_do_no_work() {
         in_lanes(&ensemble);
         ensemble.run(20);
         let work = (0..20).map(|i| ensemble.work(i).abs()).fold(0.0, f64::max);
-        println!("{b:e}: {work:e}, {} refused", ensemble.failures().count());
-        // Of 0.125, in 40 halves of steps. Impulses are 32 times as large as momenta at most.
-        let a = 0.005 * 6_f64.sqrt() * b;
-        assert!(work < 5.0 * f64::EPSILON * (a * a).max(1024.0), "{b:e}: {work:e}");
-        refused += ensemble.failures().count();
+        // Of 0.125, in 40 halves of steps.
+        assert!(work < 40.0 * f64::EPSILON, "{b:e}: {work:e}");
+        assert_eq!(ensemble.failures().count(), 0, "{b:e}");
     }
-    assert!(refused > 0);
 }
 
 /// Why trajectories go alone.
