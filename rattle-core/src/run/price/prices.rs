@@ -87,13 +87,15 @@ impl Longer {
 
 impl Longer {
     /// The same of an average: what the rule that takes it is off by does not grow. What it is off by as the states are
-    /// grows as it did on the pilot, and no slower than time, since a short pilot does not tell a trend from a swing.
+    /// grows as it did on the pilot, and no slower than time, since a short pilot does not tell a trend from a swing;
+    /// by methods that are not symplectic no slower than its square, as the energy drifts.
     fn of_average(self, price: &Price, number: usize, times: f64) -> f64 {
         let (Some(&[off, exponent]), Some(&error)) = (price.drifts.get(number), price.averages.get(number))
         else {
             return 1.0;
         };
-        let more = off * (times.powf(exponent.clamp(1.0, 2.0)) - 1.0);
+        let least = if price.method.is_adaptive() { 2.0 } else { 1.0 };
+        let more = off * (times.powf(exponent.clamp(least, 2.0)) - 1.0);
         if more > 0.0 { 1.0 + more / error } else { 1.0 }
     }
 }
