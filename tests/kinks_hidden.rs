@@ -140,6 +140,7 @@ fn edges_in_roots_and_powers_are_errors() {
         Half { a: 0.25 } (a * x^2)^0.5;
         Twice { a: 0.25 } sqrt(a * x * x);
         Rounded { a: 0.25, c: 1e-12 } sqrt(a * x^2 + c^2);
+        Round { a: 0.25, c: 1e-11 } sqrt(a * x^2 + c^2); // farther from 0 than sides that are compared nearer
         Any { n: 0.5, k: 0.5 } k * (x^2)^n;
         Fourth { k: 0.5 } k * (x^4)^(1/4);
         Nested { k: 0.5, c: 1e-40 } k * sqrt(sqrt(x^4 + c));

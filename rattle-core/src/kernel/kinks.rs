@@ -2,7 +2,7 @@
 //! the two, the normals on both sides of its zero are compared.
 //!
 //! ```text
-//! q(s) = from + s (to − from)      s halved until a and b, on both sides, are 10⁻⁶ apart; 10⁻¹⁰ before a jump is told
+//! q(s) = from + s (to − from)      s halved until a and b, on both sides, are 10⁻⁶ apart; 10⁻¹⁰ before a small jump is told
 //! jump = |n(a) − n(b)|             n = ∇g/|∇g|; smooth is a jump of at most τ² between 10⁻⁶ and 1/16,
 //! τ = |n(from) − n(a)| + |n(b) − n(to)|          how far the normal turns otherwise
 //! ```
@@ -21,9 +21,11 @@ use std::array::from_fn;
 const PAGE: usize = 32;
 /// Halvings of the way until its two sides are compared: smooth normals differ there by some 10⁻⁶ of a turn.
 const HALVINGS: u32 = 20;
-/// So many more of them before a jump is told: a normal that turns fast, but smoothly, turns by a four-thousandth
+/// So many more of them before a small jump is told: a normal that turns fast, but smoothly, turns by a four-thousandth
 /// there.
 const FURTHER: u32 = 12;
+/// What turns by more within the first of them is as sharp as an edge to the step, however it is rounded.
+const SHARP: f64 = 1e-3;
 /// Smaller jumps change an energy by less than 10⁻¹² of itself.
 const SMALLEST: f64 = 1e-6;
 /// Larger ones are jumps however far the normal turns in the step.
@@ -245,12 +247,16 @@ impl<K, const D: usize, const H: usize> Way<'_, K, D, H> {
         [a, if on_it { behind } else { b }]
     }
 
-    /// The kink where this argument changes its sign, if a normal jumps there, and does from nearby too.
+    /// The kink where this argument changes its sign, if a normal jumps there; where it jumps by little, from nearby
+    /// too.
     fn kink<T: Scalar, const M: usize>(&self, number: usize, at: [f64; 2]) -> Option<Kink>
     where
         K: Kinked<T, D, H, M>,
     {
-        self.jump::<T, M>(number, at)?;
+        let kink = self.jump::<T, M>(number, at)?;
+        if kink.angle > SHARP {
+            return Some(kink);
+        }
         self.jump::<T, M>(number, self.nearer::<T, M>(number, at, FURTHER))
     }
 
