@@ -34,6 +34,14 @@ fn what_is_shorter_over_an_edge_is_told() {
         let told = told.to_string();
         assert!(told.contains("not followed to its end") && told.contains("beyond an edge"), "{told}");
     }
+    // Farther from the rim only ways through points of the graph tell, which are joined over edges.
+    for (angle, [z, w], over) in
+        [(2.77383, [0.67616, 0.94112], 2.34099), (1.77752, [-0.89854, -0.95123], 1.66595)]
+    {
+        let told = geodesic_distance(&Can {}, &on_the_side(0.0, z), &on_the_side(angle, w)).unwrap_err();
+        let GeodesicError::NotFound { length, .. } = told else { panic!("{told}") };
+        assert!((length / over - 1.0).abs() < 0.02, "{angle}: {length} {over}");
+    }
     for (angle, z) in [(0.3, 0.1), (1.5, -0.4), (2.0, 0.2)] {
         let way = geodesic_distance(&Can {}, &on_the_side(0.0, 0.0), &on_the_side(angle, z)).unwrap();
         assert!((way.distance / angle.hypot(z) - 1.0).abs() < 1e-12, "{angle}, {z}: {}", way.distance);

@@ -3,12 +3,13 @@
 //!
 //! Points are those of an even sequence in a box (M. Roberts 2018, after R. Kronecker), brought onto the surface along
 //! its gradient. Neighbours are joined where a straight line between them stays near the surface, or where lines from
-//! both to the point of the surface near its middle do. The shortest way is E. Dijkstra's (1959). It is drawn tight by
-//! moving each of its points to the middle of its neighbours, and back onto the surface, first with few points and then
-//! with more: the discrete form of curve shortening.
+//! both to the point of the surface near its middle do; short lines also over edges. The shortest way is E. Dijkstra's
+//! (1959). It is drawn tight by moving each of its points to the middle of its neighbours, and back onto the surface,
+//! first with few points and then with more: the discrete form of curve shortening.
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::geodesic::{length, normal};
+use crate::kernel::kinks::sign_changes;
 use crate::number::vector::{add_scaled, dot, scaled, sum};
 use std::array::from_fn;
 use std::iter::successors;
@@ -31,8 +32,10 @@ const SAME: f64 = 1e-3;
 const ALIKE: f64 = 0.7;
 /// … and it is no steeper than this against the surface, and in its middle no farther off than this times c.
 const STEEP: f64 = 0.4;
-/// A line is divided no more often.
+/// A line is divided no more often. What is left then may lead over an edge …
 const DIVISIONS: u32 = 6;
+/// … if the normals on both sides have no less than this cosine: two sides of a thin plate are not near.
+const FOLDED: f64 = -0.5;
 /// Pieces of a way when it is drawn tight, at first and in the end.
 const PIECES: [usize; 3] = [24, 48, 96];
 /// How often each of its points is moved, for each number of pieces.
@@ -71,10 +74,11 @@ pub(super) fn detours<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         drawn.sort_by(|a, b| a.1.total_cmp(&b.1));
         drawn.dedup_by(|a, b| a.1 <= b.1 * (1.0 + SAME));
         drawn.truncate(WAYS);
+        // Over an edge finer ones may not be found.
         let finer = |(way, _): (Vec<[f64; D]>, f64)| {
-            PIECES[1..].iter().try_fold(way, |way, &n| Some(tight(kernel, &way, n)?.0))
+            PIECES[1..].iter().fold(way, |way, &n| tight(kernel, &way, n).map_or(way, |finer| finer.0))
         };
-        let ways: Vec<_> = drawn.into_iter().filter_map(finer).collect();
+        let ways: Vec<_> = drawn.into_iter().map(finer).collect();
         if !ways.is_empty() {
             return ways;
         }
@@ -239,7 +243,13 @@ fn line<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         return Some(length);
     }
     if divisions == 0 {
-        return None;
+        let folded = dot(&from.normal, &to.normal) < FOLDED;
+        if folded || !close || !sign_changes(kernel, &[from.q], &[to.q]) {
+            return None;
+        }
+        then(&middle.q);
+        then(&to.q);
+        return Some(apart(&from.q, &middle.q) + apart(&middle.q, &to.q));
     }
     let first = line(kernel, from, &middle, divisions - 1, then)?;
     Some(first + line(kernel, &middle, to, divisions - 1, then)?)
