@@ -163,7 +163,8 @@ fn share<T: Real, const D: usize>(columns: &[[T; D]; D]) -> T {
         }
     }
     let root = (T::from_f64(1.0) + square).sqrt();
-    root / root * T::from_f64(2.0) / (T::from_f64(1.0) + root)
+    let share = T::from_f64(2.0) / (T::from_f64(1.0) + root);
+    T::select(root.le(T::from_f64(f64::MAX)), share, T::from_f64(f64::NAN))
 }
 
 /// Vectors of length 1 along the axes.
