@@ -68,8 +68,9 @@ impl<P: PairPotential, C: Constraint<D, 1>, B: Space<D>, const D: usize> Effect<
     }
 }
 
-/// How far bodies may be off one level of g, as part of the largest coordinate or the reach: what starts may be off.
-const NEAR: f64 = 1e-9;
+/// How far two bodies may be off one level of g, as part of the largest coordinate or the reach: twice what each may be
+/// off where it starts.
+const NEAR: f64 = 2e-9;
 /// The sine of the angle by which the normal of g may differ from that of the surface on which a body is.
 const ALIKE: f64 = 1e-6;
 
@@ -105,8 +106,8 @@ pub(crate) fn along_its_surface<T: Real, B: Space<D>, const D: usize>(
     let apart = |i: usize, j: usize| (levels[i].0 - levels[j].0).abs() / levels[i].1.max(levels[j].1);
     let allowed = |i: usize, j: usize| NEAR * largest(&positions[i]).max(largest(&positions[j])).max(reach);
     let off = |i: usize, j: usize| {
-        let way = space.apart(&positions[j], &positions[i]);
-        apart(i, j) > allowed(i, j) && near(&way, [levels[i].2, levels[j].2])
+        let way = || space.apart(&positions[j], &positions[i]);
+        apart(i, j) > allowed(i, j) && near(&way(), [levels[i].2, levels[j].2])
     };
     for i in 1..positions.len() {
         // Most are on the level of the first one: pairs are tried for others alone.

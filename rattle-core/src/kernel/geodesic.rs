@@ -22,6 +22,8 @@ const CLOSE: f64 = 1e-13;
 const ROUNDING: f64 = 32.0;
 /// Stretches of a motion. Those that are halved don't count: where curvature jumps it takes some 45 halvings to pass.
 const MOST_STRETCHES: usize = 400;
+/// Halvings of one stretch: where there is no normal no number of them will do.
+const MOST_HALVINGS: usize = 60;
 /// A stretch that is the third or later of those that came close at once is followed by one of so many times its length
 /// at most: behind a jump of curvature, stretches are 10¹³ times too short.
 const GROWTH: f64 = 16.0;
@@ -236,17 +238,17 @@ fn fly<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     v: &[f64; D],
 ) -> Option<([f64; D], [f64; D])> {
     let (mut time, mut h, mut now) = (0.0, 1.0, ([0.0; D], *v));
-    let (mut stretches, mut growth) = (0, 2.0);
+    let (mut stretches, mut halvings, mut growth) = (0, 0, 2.0);
     let close = CLOSE * length(v);
-    while stretches < MOST_STRETCHES && time + h > time {
+    while stretches < MOST_STRETCHES && halvings < MOST_HALVINGS && time + h > time {
         match stretch(kernel, a, &now, h, close) {
             Some(then) if time + h == 1.0 => return Some(then),
             // Powers of 2, so that the end is met.
             Some(then) => {
                 (time, now, h) = (time + h, then, (growth * h).min(1.0 - time - h));
-                (stretches, growth) = (stretches + 1, GROWTH.min(2.0 * growth));
+                (stretches, halvings, growth) = (stretches + 1, 0, GROWTH.min(2.0 * growth));
             }
-            None => (h, growth) = (0.5 * h, 2.0),
+            None => (h, halvings, growth) = (0.5 * h, halvings + 1, 2.0),
         }
     }
     None

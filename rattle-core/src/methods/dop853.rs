@@ -7,7 +7,9 @@
 //! ```
 //!
 //! The work of potentials that change with time is booked as W = ∫ ∂U/∂t dt = ΔU + ∫ f·q̇ dt, the integral by the same
-//! sum: ∂U/∂t itself may change much faster than the motion that the tolerance is about.
+//! sum: ∂U/∂t itself may change much faster than the motion that the tolerance is about. U is that of all effects of
+//! such a scene, so `energy_error()` compares kinetic energy with the work of forces there: what a force lacks of the
+//! slope of its potential does not show.
 //!
 //! Neither symplectic nor reversible: energy drifts. For comparison and for short runs: with a tolerance it is the
 //! cheapest method down to errors of some 1e-8 on surfaces (`examples/accuracy.rs`). Each step is then divided into

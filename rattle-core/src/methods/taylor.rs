@@ -278,7 +278,8 @@ impl Taylor {
                 bodies.p.as_mut()[body] = few[body];
                 few[2 * n + body] = scaled(T::from_f64(0.5 * unit * unit), &system.velocity(bodies, body));
             }
-            let bend = self.bend(bodies, series, few, time, unit);
+            let lost = few[2 * n..3 * n].iter().any(|a| dot(a, a).to_f64().is_nan());
+            let bend = if lost { f64::INFINITY } else { self.bend(bodies, series, few, time, unit) };
             if self.led_off(bend, time) > tolerance {
                 bent = Some((time, bend));
                 break;

@@ -273,7 +273,9 @@ fn leave_bent<S: Lane, const L: usize, const D: usize>(
             let time = inner[l] * S::from_f64(part);
             let off = largest(&add_scaled(&pull, S::from_f64(-1.0), &bend)) - left_out[l];
             let size = largest(&q) + largest(&pull) * time * time;
-            let within = (off * (time * h).abs()).le(tolerance + roundings * size * (h / time).abs());
+            let number = dot(&pull, &pull).le(S::from_f64(f64::MAX));
+            let within =
+                number & (off * (time * h).abs()).le(tolerance + roundings * size * (h / time).abs());
             taken[l] &= within;
             next[l] = S::select(within, next[l], S::default());
         }

@@ -18,9 +18,9 @@ pub struct Mean<Q> {
     /// What is not yet in `all`: so many of these.
     number: usize,
     recent: [f64; RECENT],
-    /// Since the last sight momenta have jumped: the integral until the last jump, the value right after it, and its
-    /// time.
-    jumped: Option<[f64; 3]>,
+    /// Momenta have jumped since the sight of this time: the integral until the last jump, the value right after it,
+    /// and its time. A step that failed behind a jump leaves it to a sight that is seen no more.
+    jumped: Option<(f64, [f64; 3])>,
 }
 
 /// So many sights are joined at a time.
@@ -140,10 +140,10 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Mean<Q> {
     #[inline(always)]
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
         let value = (self.quantity)(now);
-        self.recent[self.number] = match self.jumped.take() {
+        self.recent[self.number] = match self.jumped.take().filter(|&(since, _)| since == before.time) {
             _ if !self.over_time => value,
             None => 0.5 * ((self.quantity)(before) + value),
-            Some([integral, last, time]) => {
+            Some((_, [integral, last, time])) => {
                 (integral + 0.5 * (last + value) * (now.time - time)) / (now.time - before.time)
             }
         };
@@ -158,9 +158,11 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Mean<Q> {
     }
 
     fn jump(&mut self, from: &Sight<'_, D>, before: &Sight<'_, D>, after: &Sight<'_, D>) {
-        let [integral, last, time] = self.jumped.unwrap_or([0.0, (self.quantity)(from), from.time]);
+        let known = self.jumped.filter(|&(since, _)| since == from.time);
+        let [integral, last, time] =
+            known.map_or_else(|| [0.0, (self.quantity)(from), from.time], |(_, jumped)| jumped);
         let part = 0.5 * (last + (self.quantity)(before)) * (before.time - time);
-        self.jumped = Some([integral + part, (self.quantity)(after), after.time]);
+        self.jumped = Some((from.time, [integral + part, (self.quantity)(after), after.time]));
     }
 
     fn join(&mut self, next: Self) {
