@@ -3,34 +3,11 @@
 
 use crate::common::{PlanarGravity, bits};
 use crate::lanes_projected::{end_as_alone, fast};
-use rattle::effect::Effects;
+use crate::lanes_projected_linked::{MASSES, scene, start};
 use rattle::ensemble::InstructionSet;
 use rattle::links::planar::Rod;
 use rattle::method::Method;
-use rattle::network::Network;
-use rattle::potentials::planar::weights;
 use rattle::prelude::*;
-
-const MASSES: [f64; 3] = [1.0, 2.0, 0.5];
-
-/// A double pendulum.
-fn scene() -> Scene<Network<2>, impl Effects<2>, rattle::bodies::Many, 2> {
-    Scene::points(3)
-        .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
-        .pin(0, [0.0, 0.0])
-        .masses(MASSES)
-        .with(weights(1.0, MASSES))
-}
-
-/// Both rods turn at this rate.
-fn start(angle: f64, rate: f64) -> State<2> {
-    let (sin, cos) = angle.sin_cos();
-    let momenta = [0.0, 1.0, 2.0].iter().zip(MASSES).map(|(far, mass)| {
-        let speed = far * rate * mass;
-        [speed * cos, speed * sin]
-    });
-    State::of([[0.0, 0.0], [sin, -cos], [2.0 * sin, -2.0 * cos]]).with_momenta(momenta)
-}
 
 /// Halved steps leave 2⁻⁴ and 2⁻⁸ of the error; the reference is a method that knows of no stages.
 #[test]

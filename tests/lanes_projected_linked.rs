@@ -8,10 +8,10 @@ use rattle::links::planar::Rod;
 use rattle::potentials::planar::weights;
 use rattle::prelude::*;
 
-const MASSES: [f64; 3] = [1.0, 2.0, 0.5];
+pub(crate) const MASSES: [f64; 3] = [1.0, 2.0, 0.5];
 
 /// A double pendulum.
-fn scene()
+pub(crate) fn scene()
 -> Scene<rattle::network::Network<2>, impl rattle::effect::list::Effects<2>, rattle::bodies::Many, 2> {
     Scene::points(3)
         .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
@@ -21,7 +21,7 @@ fn scene()
 }
 
 /// Both rods turn at this rate.
-fn start(angle: f64, rate: f64) -> State<2> {
+pub(crate) fn start(angle: f64, rate: f64) -> State<2> {
     let (sin, cos) = angle.sin_cos();
     let momenta = [0.0, 1.0, 2.0].iter().zip(MASSES).map(|(far, mass)| {
         let speed = far * rate * mass;

@@ -4,6 +4,7 @@
 use crate::common::{PlanarGravity, Trough, bits};
 use crate::lanes_linked::{chain, check, off_alone, starts};
 use crate::lanes_projected::{end_as_alone, fast};
+use crate::lanes_projected_linked::{MASSES, scene, start};
 use rattle::bodies::Count;
 use rattle::effect::Effects;
 use rattle::ensemble::InstructionSet;
@@ -29,27 +30,6 @@ potential! {
     /// A narrow hill.
     struct Hill { x0, y0, width, height }
     |x, y| height * exp(-((x - x0)^2 + (y - y0)^2) / width^2)
-}
-
-const MASSES: [f64; 3] = [1.0, 2.0, 0.5];
-
-/// A double pendulum.
-fn scene() -> Scene<Network<2>, impl Effects<2>, rattle::bodies::Many, 2> {
-    Scene::points(3)
-        .link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2]])
-        .pin(0, [0.0, 0.0])
-        .masses(MASSES)
-        .with(weights(1.0, MASSES))
-}
-
-/// Both rods turn at this rate.
-fn start(angle: f64, rate: f64) -> State<2> {
-    let (sin, cos) = angle.sin_cos();
-    let momenta = [0.0, 1.0, 2.0].iter().zip(MASSES).map(|(far, mass)| {
-        let speed = far * rate * mass;
-        [speed * cos, speed * sin]
-    });
-    State::of([[0.0, 0.0], [sin, -cos], [2.0 * sin, -2.0 * cos]]).with_momenta(momenta)
 }
 
 /// Fixed steps and inner ones, forwards and backwards; one trajectory, a few, some rows of a few, and more than a wide

@@ -18,7 +18,7 @@ use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::run::ensemble::linked_plan::{LinkedPlan, Places, add_product};
 use crate::run::ensemble::linked_projected_row::terms;
-use crate::run::ensemble::linked_row::Course;
+use crate::run::ensemble::linked_row::{Course, add_times};
 use crate::run::ensemble::linked_stand::{Departs, Pulls, Stand};
 use crate::run::ensemble::pace::{ARRIVED, MOVES};
 use crate::run::ensemble::track::Track;
@@ -354,20 +354,14 @@ impl<const W: usize> Collocation<W> {
     #[inline(always)]
     fn arrive(&mut self, stand: &mut Stand<'_, W>) {
         let Self { with, total, lambda, .. } = self;
-        let Stand { course: Course { plan, .. }, numbers, tracks, past, .. } = stand;
-        let (Places { q, q_low, way, way_low, .. }, n) = (plan.places, plan.coordinates);
+        let plan = stand.course.plan;
         for &c in &plan.moving {
             let [mut by, mut kicked] = [zeros(); 2];
-            way_to(with, with.stages - 1, n, c, total, &tracks[1], &mut by);
-            kicks(with, n, c, total, &mut kicked);
-            for (track, (by, [high, low])) in
-                tracks.iter().zip([(&by, [q, q_low]), (&kicked, [way, way_low])])
-            {
-                let (mut sum, mut rest) = (zeros(), zeros());
-                track.arrive(c, by, &mut sum, &mut rest);
-                (numbers[high + c], numbers[low + c]) = (sum, rest);
-            }
+            way_to(with, with.stages - 1, plan.coordinates, c, total, &stand.tracks[1], &mut by);
+            kicks(with, plan.coordinates, c, total, &mut kicked);
+            stand.arrive(c, [&by, &kicked]);
         }
+        let past = &mut stand.past;
         past[0] = every(Fused(1.0));
         for (to, from) in past[1..].iter_mut().zip(total.iter().chain(&*lambda)) {
             *to = *from;
@@ -556,14 +550,6 @@ fn add_where<const W: usize>(lanes: &Which<W>, change: &mut Numbers<W>, to: &mut
 fn add<const W: usize>(by: &Numbers<W>, to: &mut Numbers<W>) {
     for l in 0..W {
         to.0[l] = to.0[l] + by.0[l];
-    }
-}
-
-/// Adds this many times these.
-#[inline(always)]
-fn add_times<const W: usize>(times: Number, by: &Numbers<W>, to: &mut Numbers<W>) {
-    for l in 0..W {
-        to.0[l] = times.multiply_add(by.0[l], to.0[l]);
     }
 }
 

@@ -485,7 +485,7 @@ fn add<const W: usize>(high: usize, low: usize, by: &Numbers<W>, numbers: &mut [
 
 /// Adds this many times `by`.
 #[inline(always)]
-fn add_times<const W: usize>(times: Number, by: &Numbers<W>, to: &mut Numbers<W>) {
+pub(super) fn add_times<const W: usize>(times: Number, by: &Numbers<W>, to: &mut Numbers<W>) {
     for l in 0..W {
         to.0[l] = times.multiply_add(by.0[l], to.0[l]);
     }

@@ -16,7 +16,7 @@ use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::run::ensemble::linked_plan::{LinkedPlan, Places, add_product};
-use crate::run::ensemble::linked_row::Course;
+use crate::run::ensemble::linked_row::{Course, add_times};
 use crate::run::ensemble::linked_series_law::SeriesLaws;
 use crate::run::ensemble::linked_stand::{Departs, Pulls, Stand};
 use crate::run::ensemble::pace::MOVES;
@@ -117,7 +117,7 @@ impl<const W: usize> Work for Depart<'_, '_, '_, '_, '_, W> {
     fn run(self) {
         let Self { expansion: Expansion { method, few, end, inside }, stand, pulling } = self;
         let plan = stand.course.plan;
-        let Places { q, q_low, way, way_low, .. } = plan.places;
+        let Places { q, way, .. } = plan.places;
         for first in (0..W).step_by(FEW) {
             if !stand.pace.going[first..first + FEW].contains(&MOVES) {
                 continue;
@@ -142,12 +142,7 @@ impl<const W: usize> Work for Depart<'_, '_, '_, '_, '_, W> {
         }
         let [ways, changes] = &end.changes;
         for &c in &plan.moving {
-            let changes = [(&ways[c], [q, q_low]), (&changes[c], [way, way_low])];
-            for (track, (by, [high, low])) in stand.tracks.iter().zip(changes) {
-                let (mut sum, mut rest) = (zeros(), zeros());
-                track.arrive(c, by, &mut sum, &mut rest);
-                (stand.numbers[high + c], stand.numbers[low + c]) = (sum, rest);
-            }
+            stand.arrive(c, [&ways[c], &changes[c]]);
         }
     }
 }
@@ -320,14 +315,6 @@ impl Few<'_> {
 #[inline(always)]
 fn few_of<const W: usize>(from: &Numbers<W>, first: usize, to: &mut Numbers<FEW>) {
     to.0.copy_from_slice(&from.0[first..first + FEW]);
-}
-
-/// Adds this many times these.
-#[inline(always)]
-fn add_times(times: Number, by: &Numbers<FEW>, to: &mut Numbers<FEW>) {
-    for l in 0..FEW {
-        to.0[l] = times.multiply_add(by.0[l], to.0[l]);
-    }
 }
 
 /// Multiplies these by those.

@@ -81,6 +81,17 @@ impl<'a, const W: usize> Stand<'a, W> {
         }
     }
 
+    /// Has coordinate `c` be on trial where these changes of its place and its velocity lead.
+    #[inline(always)]
+    pub(super) fn arrive(&mut self, c: usize, changes: [&Numbers<W>; 2]) {
+        let Places { q, q_low, way, way_low, .. } = self.course.plan.places;
+        for ((track, by), [high, low]) in self.tracks.iter().zip(changes).zip([[q, q_low], [way, way_low]]) {
+            let (mut sum, mut rest) = (zeros(), zeros());
+            track.arrive(c, by, &mut sum, &mut rest);
+            (self.numbers[high + c], self.numbers[low + c]) = (sum, rest);
+        }
+    }
+
     /// Accelerations and normals where all bodies are.
     #[inline(always)]
     pub(super) fn be_there(&mut self, pulling: &mut Pulls<'_, '_, W>) {

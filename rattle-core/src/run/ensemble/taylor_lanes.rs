@@ -177,18 +177,8 @@ impl<S: Lane, X: InSeries<S, L, D>, const L: usize, const D: usize> Projects<S, 
         for step in &mut step.0 {
             *step = *step * over_unit;
         }
-        // Loops: of many lanes in many dimensions `array::from_fn` is a call, compiled for no instruction set.
         let [mut x, mut y, mut z] = [[Lanes::from_f64(0.0); D]; 3];
-        for (k, coefficient) in series.iter().enumerate().skip(1).rev() {
-            let [number, both] = [k, k * (k - 1)].map(|k| Lanes::from_f64(k as f64));
-            for d in 0..D {
-                x[d] = step * (coefficient[d] + x[d]);
-                if k > 1 {
-                    y[d] = step * number.multiply_add(coefficient[d], y[d]);
-                    z[d] = step.multiply_add(z[d], both * coefficient[d]);
-                }
-            }
-        }
+        sum_up(&step, series, &mut x, &mut y, &mut z);
         let over_unit = Lanes::from_f64(1.0 / unit);
         let over_square = over_unit * over_unit;
         for d in 0..D {
@@ -250,16 +240,7 @@ fn leave_bent<S: Lane, const L: usize, const D: usize>(
             *step = *step * over_unit * S::from_f64(part);
         }
         let [mut x, mut y, mut z] = [[Lanes::from_f64(0.0); D]; 3];
-        for (k, coefficient) in series.iter().enumerate().skip(1).rev() {
-            let [number, both] = [k, k * (k - 1)].map(|k| Lanes::from_f64(k as f64));
-            for d in 0..D {
-                x[d] = step * (coefficient[d] + x[d]);
-                if k > 1 {
-                    y[d] = step * number.multiply_add(coefficient[d], y[d]);
-                    z[d] = step.multiply_add(z[d], both * coefficient[d]);
-                }
-            }
-        }
+        sum_up(&step, series, &mut x, &mut y, &mut z);
         last_terms(&step, over_square, series, &mut left_out);
         for l in 0..L {
             let (mut q, mut p, mut bend) = (at(&now.q, l), at(&now.p, l), [S::default(); D]);
@@ -278,6 +259,28 @@ fn leave_bent<S: Lane, const L: usize, const D: usize>(
                 number & (off * (time * h).abs()).le(tolerance + roundings * size * (h / time).abs());
             taken[l] &= within;
             next[l] = S::select(within, next[l], S::default());
+        }
+    }
+}
+
+/// Sums up series after these steps by Horner's rule, in the unit of time: what places and momenta change by, and
+/// accelerations. A loop: of many lanes in many dimensions `array::from_fn` is a call, compiled for no instruction set.
+#[inline(always)]
+fn sum_up<S: Lane, const L: usize, const D: usize>(
+    step: &Lanes<S, L>,
+    series: &[[Lanes<S, L>; D]],
+    way: &mut [Lanes<S, L>; D],
+    change: &mut [Lanes<S, L>; D],
+    bend: &mut [Lanes<S, L>; D],
+) {
+    for (k, coefficient) in series.iter().enumerate().skip(1).rev() {
+        let [number, both] = [k, k * (k - 1)].map(|k| Lanes::from_f64(k as f64));
+        for d in 0..D {
+            way[d] = *step * (coefficient[d] + way[d]);
+            if k > 1 {
+                change[d] = *step * number.multiply_add(coefficient[d], change[d]);
+                bend[d] = step.multiply_add(bend[d], both * coefficient[d]);
+            }
         }
     }
 }
