@@ -7,15 +7,15 @@ use rattle::ensemble::InstructionSet;
 use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::prelude::*;
 
-const MOMENTS: [f64; 3] = [0.6, 0.8, 1.0];
+pub(crate) const MOMENTS: [f64; 3] = [0.6, 0.8, 1.0];
 
-fn scene() -> Scene<Rigid, impl rattle::effect::list::Effects<9>, rattle::bodies::One, 9> {
+pub(crate) fn scene() -> Scene<Rigid, impl rattle::effect::list::Effects<9>, rattle::bodies::One, 9> {
     Scene::rigid(Rigid::new(MOMENTS)).with(Field { weight: 1.0, pull: 0.5 })
 }
 
 /// The energy, the angular momentum in space, and how far the attitude is off a rotation, of a body that is free or in
 /// [the scene](scene).
-fn measured(state: &State<9>, free: bool) -> (f64, Vector3<f64>, f64) {
+pub(crate) fn measured(state: &State<9>, free: bool) -> (f64, Vector3<f64>, f64) {
     let q = Matrix3::from_row_slice(state.positions().next().unwrap().as_slice());
     let m = Vector3::from_iterator(state.momenta().next().unwrap().iter().copied().take(3));
     let kinetic = 0.5 * m.component_div(&Vector3::from(MOMENTS)).dot(&m);

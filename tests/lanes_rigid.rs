@@ -114,6 +114,8 @@ fn free_bodies() {
                 agree(Double, &scene, moments, 70, &Dop853::new(0.2), 10),
                 agree(Double, &scene, moments, 9, &Dop853::adaptive(0.5, 1e-10), 4),
                 agree(Double, &scene, moments, 9, &Dop853::adaptive(1.0, 1e-3), 2),
+                agree(Double, &scene, moments, 70, &Taylor::new(9, 0.2), 10),
+                agree(Double, &scene, moments, 9, &Taylor::adaptive(14, 0.5, 1e-13), 4),
             ],
             moments,
         );
@@ -132,6 +134,8 @@ fn heavy_bodies() {
                 agree(Compensated, &scene, moments, 70, &Composition::new(KAHAN_LI_1997_ORDER_8, 0.2), 5),
                 agree(Double, &scene, moments, 70, &Dop853::new(0.05), 40),
                 agree(Double, &scene, moments, 9, &Dop853::adaptive(-0.5, 1e-10), 4),
+                agree(Double, &scene, moments, 70, &Taylor::new(15, 0.1), 20),
+                agree(Double, &scene, moments, 9, &Taylor::adaptive(18, -1.0, 1e-13), 2),
             ],
             moments,
         );
@@ -147,7 +151,6 @@ fn heavy_bodies() {
         ],
         moments,
     );
-    assert_eq!(agree(Double, &scene, moments, 9, &Taylor::new(6, 0.05), 5), 0.0, "not in lanes");
 }
 
 /// Several bodies in one scene: alone they are what each is, in lanes as alone; also where two of them feel each other.
@@ -173,6 +176,10 @@ fn several_bodies() {
     let mut ensemble = coupled.ensemble(starts.iter().cloned(), explicit).unwrap();
     let by_dop853 = off(&mut ensemble, |_| coupled.clone(), &starts, &explicit, 4, moments);
     check(&[each, pairs, by_dop853], moments);
+    for series in [Taylor::new(12, 0.05), Taylor::adaptive(12, 0.3, 1e-12)] {
+        let mut ensemble = coupled.ensemble(starts.iter().cloned(), series).unwrap();
+        check(&[off(&mut ensemble, |_| coupled.clone(), &starts, &series, 4, moments)], moments);
+    }
     assert_eq!(ensemble.bodies(), 3);
 }
 
@@ -252,6 +259,11 @@ fn the_same_bits_everywhere() {
     };
     check(&explicit, &Dop853::new(0.4), wild, steps, 3);
     check(&explicit, &Dop853::adaptive(0.2, 1e-9), wild, steps, 0); // none is too fast for inner steps
+    let series = |numbers: &[u32], set, method: Taylor| {
+        Ensemble::of(Double, &scene, numbers.iter().map(|&i| start(i)), method, set).unwrap()
+    };
+    check(&series, &Taylor::new(6, 0.4), wild, steps, 3);
+    check(&series, &Taylor::adaptive(12, 0.2, 1e-9), wild, steps, 0);
 }
 
 /// Where a body turns too far for a step, or its force is no number, a lane ends where a simulation ends, and says what
@@ -263,6 +275,8 @@ fn lanes_end_where_simulations_end() {
     assert!(halved.0 <= 3 && halved.1 > 3, "what is halved turns less far: {halved:?}");
     end_alike(Dop853::new(0.3)); // which says that stages are no numbers, whatever of them
     end_alike(Dop853::adaptive(0.3, 1e-6));
+    end_alike(Taylor::new(8, 0.3));
+    end_alike(Taylor::adaptive(12, 0.3, 1e-9));
 }
 
 /// How many of 64 end, of another reason than a force and of a force, without and with halved steps.

@@ -144,9 +144,9 @@ impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Column<'_, C
         self.by(Variable::of(Rattle::new(STEP), 10.0), false);
     }
 
-    fn by_series(&mut self, lanes: bool) {
-        self.by(Taylor::new(10, STEP), lanes);
-        self.by(Taylor::adaptive(12, STEP, 1e-10), lanes);
+    fn by_series(&mut self) {
+        self.by(Taylor::new(10, STEP), true);
+        self.by(Taylor::adaptive(12, STEP, 1e-10), true);
     }
 
     /// Methods that act on flows of momenta.
@@ -211,7 +211,7 @@ fn as_a_simulation_in_every_cell() {
     let scene = || Scene::on(SURFACE).with(Cliff { pull, end });
     let mut on_surface = Column { what: "surface", scene: scene(), start: on_lemniscate, wrong };
     on_surface.by_those_of_places(true);
-    on_surface.by_series(true);
+    on_surface.by_series();
     on_surface.by(Lobatto::<2>::new(STEP), true);
     on_surface.by(Lobatto::<5>::new(STEP), true);
     on_surface.by(Bdf2::new(STEP), false);
@@ -229,7 +229,7 @@ fn as_a_simulation_in_every_cell() {
     let scene = || scene().with(PlanarCliff { pull, end });
     let mut linked = Column { what: "linked", scene: scene(), start: pendulum, wrong };
     linked.by_those_of_places(true);
-    linked.by_series(true);
+    linked.by_series();
     linked.by(Lobatto::<3>::new(STEP), true);
     linked.by(Lobatto::<6>::new(STEP), true);
     linked.by(Bdf2::new(STEP), false);
@@ -241,7 +241,7 @@ fn as_a_simulation_in_every_cell() {
     let scene = || Scene::rigid(Rigid::new(MOMENTS)).with(TiltedCliff { pull, end });
     let mut rigid = Column { what: "rigid", scene: scene(), start: body, wrong };
     rigid.by_those_of_places(true);
-    rigid.by_series(false);
+    rigid.by_series();
     let wrong = rigid.wrong;
     let mut warm = Column { what: "warm rigid", scene: scene().with(heat), start: body, wrong };
     warm.by_those_of_flows(true);

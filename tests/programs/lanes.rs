@@ -42,6 +42,8 @@ mod lanes_splittings;
 mod lanes_starts;
 #[path = "../lanes_taylor_linked.rs"]
 mod lanes_taylor_linked;
+#[path = "../lanes_taylor_rigid.rs"]
+mod lanes_taylor_rigid;
 #[path = "../sweeps_linked.rs"]
 mod sweeps_linked;
 #[path = "../sweeps_rigid.rs"]

@@ -17,8 +17,8 @@
 //!
 //! **Where a potential changes branch** (`if`, `abs`, `max`, a cut-off) its series is still that of the branch where it
 //! began, and where a force is local, such as that of a narrow bump, nothing in a series from afar tells of it. So
-//! accelerations are compared with those of the series at the end of each inner step and at three times inside of it,
-//! of rigid bodies at the end alone. Where they differ by more than the last terms of the series, which tell what it
+//! accelerations are compared with those of the series at the end of each inner step and at three times inside of it.
+//! Where they differ by more than the last terms of the series, which tell what it
 //! leaves out, the change is sought by bisection, and the inner step ends right behind it: the series may be wrong for
 //! as long as this leads the body off, with velocities times h, by no more than the tolerance. What is entered and left
 //! within a quarter of one inner step is not seen: h bounds the inner steps, and must be no longer than what acts is
@@ -49,8 +49,8 @@ const MOST_SHORT: usize = 64;
 /// An inner step that is moved onto the constraints too far is made shorter by this factor.
 const SHORTER: f64 = 1.0 / 3.0;
 
-/// Coefficients that tell the acceleration at the end of an inner step.
-const FEW: usize = 3;
+/// Rates of momenta, with which those of the series are compared.
+const PUSHED: usize = 1;
 
 /// Where inside of an inner step its acceleration is compared with that of the series: nowhere alike, so that what
 /// comes again and again is not always between them.
@@ -142,7 +142,7 @@ impl Method for Taylor {
         bodies: &mut BodiesOf<Y, T, D>,
     ) {
         series.reserve_series(bodies, self.coefficients(), self.h);
-        bodies.make_room(self.coefficients() + FEW + LED);
+        bodies.make_room(self.coefficients() + PUSHED + LED);
     }
 
     fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
@@ -153,7 +153,7 @@ impl Method for Taylor {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let n = bodies.q.as_ref().len();
-        let inner_steps = bodies.with_room(self.coefficients() + FEW + LED, |bodies, saved, room| {
+        let inner_steps = bodies.with_room(self.coefficients() + PUSHED + LED, |bodies, saved, room| {
             let inner_steps = self.steps(system, bodies, saved, room, witness)?;
             if W::LISTENS {
                 let (_, rates, _) = system;
@@ -184,7 +184,7 @@ impl Taylor {
         let (_, _, motion) = system;
         let n = bodies.q.as_ref().len();
         let (series, rest) = room.split_at_mut(self.coefficients() * n);
-        let (few, led) = rest.split_at_mut(FEW * n);
+        let (pushed, led) = rest.split_at_mut(PUSHED * n);
         bodies.save(start);
         motion.expand(bodies, series, witness);
         let Some(tolerance) = self.tolerance else {
@@ -210,10 +210,10 @@ impl Taylor {
             }
             let last = longest >= left.abs();
             let whole = if last { left } else { longest.copysign(left) };
-            let bent = self.bent_inside(system, bodies, start, (&*series, &mut *few), whole, tolerance);
+            let bent = self.bent_inside(system, bodies, start, (&*series, &mut *pushed), whole, tolerance);
             let reached = bent.map_or(whole, |(time, _)| time);
             let mut landed = self.arrive(system, bodies, start, (&*series, &mut *led), reached)?;
-            let terms = [&mut *series, &mut *few, &mut *led];
+            let terms = [&mut *series, &mut *pushed, &mut *led];
             let (inner, off) =
                 self.in_one_branch(system, bodies, start, terms, (whole, bent), tolerance, &mut landed)?;
             if landed.is_ok() {
@@ -246,40 +246,33 @@ impl Taylor {
 
     /// The first of some times [inside](INSIDE) of an inner step of this length at which the series is not that of the
     /// motion, and by how much its acceleration is off there. The bodies are left at the start, with what is kept of
-    /// another place. Rigid bodies are not looked at, as the series of their places knows nothing of momenta.
+    /// another place.
     fn bent_inside<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         (system, rates, motion): View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
         start: &Saved<Y::Count, T, D>,
-        (series, few): (&[[T; D]], &mut [[T; D]]),
+        (series, pushed): (&[[T; D]], &mut [[T; D]]),
         inner: f64,
         tolerance: f64,
     ) -> Option<(f64, f64)> {
         let n = bodies.q.as_ref().len();
-        if n == 0 || motion.expanded_impulse(bodies, 0, inner).is_some() {
-            return None;
-        }
         let unit = motion.unit(bodies);
         let mut bent = None;
         for time in INSIDE.map(|part| part * inner) {
             let step = T::from_f64(time / unit);
             for body in 0..n {
                 let (way, change) = summed(series, n, body, step);
-                let impulse = rates.momentum(body, &scaled(T::from_f64(1.0 / unit), &change));
+                let impulse = motion.expanded_impulse(bodies, body, time);
+                let impulse = impulse
+                    .unwrap_or_else(|| rates.momentum(body, &scaled(T::from_f64(1.0 / unit), &change)));
                 let from = start.body(body);
                 bodies.q.as_mut()[body] = sum(&from.q, &way);
                 bodies.p.as_mut()[body] = sum(&from.p, &impulse);
             }
             bodies.time = start.time + time;
             system.refresh(bodies);
-            rates.evaluate_rates(bodies, &mut few[..n], &mut ());
-            for body in 0..n {
-                bodies.p.as_mut()[body] = few[body];
-                few[2 * n + body] = scaled(T::from_f64(0.5 * unit * unit), &system.velocity(bodies, body));
-            }
-            let lost = few[2 * n..3 * n].iter().any(|a| dot(a, a).to_f64().is_nan());
-            let bend = if lost { f64::INFINITY } else { self.bend(bodies, series, few, time, unit) };
+            let bend = self.bend((system, rates, motion), bodies, series, pushed, time);
             if self.led_off(bend, time) > tolerance {
                 bent = Some((time, bend));
                 break;
@@ -303,15 +296,17 @@ impl Taylor {
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
         start: &Saved<Y::Count, T, D>,
-        [series, few, led]: [&mut [[T; D]]; 3],
+        [series, pushed, led]: [&mut [[T; D]]; 3],
         (inner, bent): (f64, Option<(f64, f64)>),
         tolerance: f64,
         landed: &mut Result<(), Failure>,
     ) -> Result<(f64, f64), Failure> {
-        let motion = system.2;
         let off = |bend, time| self.led_off(bend, time);
         let (behind, mut end) =
-            bent.unwrap_or_else(|| (inner, self.bend_at_end(motion, bodies, series, few, inner)));
+            bent.unwrap_or_else(|| (inner, self.bend(system, bodies, series, pushed, inner)));
+        if bent.is_none() && end.is_infinite() {
+            return Ok((inner, 0.0)); // the next inner step tells why
+        }
         let whole = off(end, behind);
         if whole <= tolerance {
             return Ok((inner, whole));
@@ -321,7 +316,7 @@ impl Taylor {
         while off(end, behind - before) > tolerance && (behind - before).abs() > shortest {
             let middle = 0.5 * (before + behind);
             *landed = self.go_again(system, bodies, start, (series, led), middle)?;
-            let there = self.bend_at_end(motion, bodies, series, few, middle);
+            let there = self.bend(system, bodies, series, pushed, middle);
             at = middle;
             if off(there, middle) <= tolerance {
                 before = middle;
@@ -349,32 +344,21 @@ impl Taylor {
         self.arrive(system, bodies, start, (series, led), inner)
     }
 
-    /// The [bend](Self::bend) at the end of an inner step, where the bodies are.
-    fn bend_at_end<T: Scalar, N: Count, X, Z: Series<N, X, T, D>, const D: usize>(
+    /// By how much the acceleration of a body is off that of the series at most, after a time `inner` that led the
+    /// bodies where they are, beyond the last two terms of the series and what may be rounding; infinite where it is no
+    /// number.
+    fn bend<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
-        motion: &Z,
-        bodies: &mut Bodies<N, T, X, D>,
+        (system, rates, motion): View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         series: &[[T; D]],
-        few: &mut [[T; D]],
+        there: &mut [[T; D]],
         inner: f64,
     ) -> f64 {
-        motion.expand(bodies, few, &mut ());
-        self.bend(bodies, series, few, inner, motion.unit(bodies))
-    }
-
-    /// By how much the acceleration of a body, of which `few` has half, is off that of the series at most after a time
-    /// `inner`, where the bodies are, beyond the last two terms of the series and what may be rounding.
-    fn bend<T: Scalar, N: Count, X, const D: usize>(
-        &self,
-        bodies: &Bodies<N, T, X, D>,
-        series: &[[T; D]],
-        few: &[[T; D]],
-        inner: f64,
-        unit: f64,
-    ) -> f64 {
-        let n = bodies.q.as_ref().len();
+        let (n, unit) = (bodies.q.as_ref().len(), motion.unit(bodies));
         let (step, orders) = (T::from_f64(inner / unit), self.coefficients());
-        let rounding = T::from_f64(ROUNDINGS * T::EPSILON);
+        let [rounding, square] = [ROUNDINGS * T::EPSILON, unit * unit].map(T::from_f64);
+        rates.evaluate_rates(bodies, there, &mut ());
         let mut bend = 0.0_f64;
         for body in 0..n {
             let (mut sum, mut terms, mut last) = ([T::from_f64(0.0); D], T::from_f64(0.0), T::from_f64(0.0));
@@ -385,9 +369,17 @@ impl Taylor {
                 terms = terms * step.abs() + term;
                 last = last * step.abs() + if k + 2 >= orders { term } else { T::from_f64(0.0) };
             }
-            let off = largest(&add_scaled(&sum, T::from_f64(-2.0), &few[2 * n + body]));
+            // Where momenta are not masses times velocities, by what theirs have that the series has not.
+            if let Some(rate) = motion.expanded_rate(bodies, body, inner) {
+                (there[body], sum) =
+                    (add_scaled(&there[body], T::from_f64(-1.0), &rate), [T::from_f64(0.0); D]);
+            }
+            let p = std::mem::replace(&mut bodies.p.as_mut()[body], there[body]);
+            let off = largest(&add_scaled(&sum, -square, &system.velocity(bodies, body)));
+            bodies.p.as_mut()[body] = p;
             let size = terms + largest(&bodies.q.as_ref()[body]) / (step * step);
-            bend = bend.max((off - last - rounding * size).to_f64());
+            let off = (off - last - rounding * size).to_f64();
+            bend = if off.is_nan() { f64::INFINITY } else { bend.max(off) };
         }
         bend / (unit * unit)
     }

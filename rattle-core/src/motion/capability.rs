@@ -89,6 +89,13 @@ pub trait Series<N: Count, X, T: Scalar, const D: usize> {
         None
     }
 
+    /// The rate of a body's momentum at the time h after the last expansion; `None` as for its
+    /// [change](Self::expanded_impulse).
+    #[inline(always)]
+    fn expanded_rate(&self, _bodies: &Bodies<N, T, X, D>, _body: usize, _h: f64) -> Option<[T; D]> {
+        None
+    }
+
     /// The work of moving constraints in the time h after the last expansion.
     #[inline(always)]
     fn expanded_work(&self, _bodies: &Bodies<N, T, X, D>, _h: f64) -> T {

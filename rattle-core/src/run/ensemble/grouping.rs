@@ -105,14 +105,12 @@ fn is_long(h: f64, stages: &[Stage]) -> bool {
 }
 
 /// Whether constraints are of a kind that the method moves in rows: a splitting, one that draws momenta anew, or, of
-/// linked and rigid bodies, [`Dop853`](crate::methods::dop853::Dop853), and of linked ones
-/// [`Taylor`](crate::methods::taylor::Taylor) and collocation. Asked where a constant is wanted: what is not asked for
+/// linked and rigid bodies, [`Dop853`](crate::methods::dop853::Dop853) and [`Taylor`](crate::methods::taylor::Taylor),
+/// and of linked ones collocation. Asked where a constant is wanted: what is not asked for
 /// is then not compiled.
 pub(super) const fn goes_as<C: Hold<D>, S: Method, const D: usize>(kind: Kind) -> bool {
-    let projects = matches!(
-        (kind, S::PROJECTS),
-        (Kind::Network | Kind::Rigid, Projecting::Dop853) | (Kind::Network, Projecting::Taylor)
-    );
+    let projects =
+        matches!((kind, S::PROJECTS), (Kind::Network | Kind::Rigid, Projecting::Dop853 | Projecting::Taylor));
     let collocates = matches!(kind, Kind::Network) && S::COLLOCATES > 0;
     C::KIND as u8 == kind as u8
         && (!matches!(S::SPLITTING, Splitting::Not) || S::RENEWS || projects || collocates)

@@ -18,9 +18,10 @@ use crate::run::ensemble::linked_series_law::SeriesLaws;
 use crate::run::ensemble::precision::Precision;
 use crate::run::ensemble::rigid_lanes::RigidLanes;
 use crate::run::ensemble::rigid_law::RigidLaws;
-use crate::run::ensemble::rigid_projected_lanes::RigidProjected;
+use crate::run::ensemble::rigid_projected_lanes::{RigidProjected, TaylorOfRigid};
 use crate::run::ensemble::rigid_row::{Attitude, RigidRow};
-use crate::run::ensemble::series_in_lanes;
+use crate::run::ensemble::rigid_stand::ROW as ROW_OF_PROJECTED;
+use crate::run::ensemble::series_in_lanes::{self, PullsInSeries};
 use crate::run::ensemble::side_by_side::side_by_side;
 use crate::run::ensemble::splits::Splits;
 use crate::systems::network::Network;
@@ -244,8 +245,8 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
     moved::<P, S, _, D>(&InNetworks { networks, effects, starts, first: lanes.first }, lanes)
 }
 
-/// Trajectories of rigid bodies, no more than there are lanes, in rows, if the method is a splitting or [`Dop853`]; in
-/// systems of one scene, or in scenes of their own.
+/// Trajectories of rigid bodies, no more than there are lanes, in rows, in systems of one scene, or in scenes of their
+/// own.
 pub(super) fn rigid<P: Precision, S: Method, Y: System<f64, D>, const D: usize>(
     bodies: &[&Rigid],
     systems: &[Y],
@@ -260,13 +261,20 @@ pub(super) fn rigid<P: Precision, S: Method, Y: System<f64, D>, const D: usize>(
     let rows = Rigids { bodies, systems, effects, starts, first: lanes.first };
     if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 } {
         let (method, set) = (lanes.dop853(), lanes.set);
-        return rows.of(&|laws, number| Box::new(RigidProjected::<Y, D>::new(laws, number, method, set)));
+        return rows.of(&|_, laws, n| Some(Box::new(RigidProjected::<_, Y, D>::new(laws, n, method, set))));
+    }
+    if const { S::PROJECTS as u8 == Projecting::Taylor as u8 } {
+        let (method, set) = (lanes.taylor(), lanes.set);
+        return rows.of(&|from, laws, n| {
+            let method = TaylorOfRigid { method, pulls: effects.series::<ROW_OF_PROJECTED>(from, n)? };
+            Some(Box::new(RigidProjected::<_, Y, D>::new(laws, n, method, set)))
+        });
     }
     let method = Arc::new(lanes.splits::<P, S>(const { Y::FLOWS > 0 }));
     if starts.len() <= 3 * FEW {
-        rows.of(&|laws, number| Box::new(RigidLanes::<Y, D, FEW>::new(laws, number, method.clone())))
+        rows.of(&|_, laws, n| Some(Box::new(RigidLanes::<Y, D, FEW>::new(laws, n, method.clone()))))
     } else {
-        rows.of(&|laws, number| Box::new(RigidLanes::<Y, D, ROW>::new(laws, number, method.clone())))
+        rows.of(&|_, laws, n| Some(Box::new(RigidLanes::<Y, D, ROW>::new(laws, n, method.clone()))))
     }
 }
 
@@ -278,6 +286,10 @@ pub(super) trait Turned {
         from: usize,
         bodies: usize,
     ) -> Option<Box<dyn Pulls<RigidRow<B>, W>>>;
+
+    /// The same as power series; none where one has none.
+    #[allow(clippy::option_option, reason = "there are none, or none that have a series")]
+    fn series<const W: usize>(&self, from: usize, bodies: usize) -> Option<Option<Box<dyn PullsInSeries>>>;
 }
 
 /// Those of one scene of bodies of D coordinates.
@@ -291,6 +303,10 @@ impl<E: Effects<D>, const D: usize> Turned for TurnedAlike<'_, E, D> {
     ) -> Option<Box<dyn Pulls<RigidRow<B>, W>>> {
         of_all(self.0, bodies)
     }
+
+    fn series<const W: usize>(&self, _: usize, bodies: usize) -> Option<Option<Box<dyn PullsInSeries>>> {
+        series_in_lanes::of_all(self.0, bodies)
+    }
 }
 
 /// Those of scenes of one type, each of a trajectory of its own.
@@ -302,8 +318,18 @@ impl<E: Effects<D> + 'static, const D: usize> Turned for TurnedApart<'_, E, D> {
         from: usize,
         bodies: usize,
     ) -> Option<Box<dyn Pulls<RigidRow<B>, W>>> {
-        let number = |lane: usize| if from + lane < self.0.len() { from + lane } else { from }; // the rest copies the first
-        of_each(|lane| self.0[number(lane)], bodies)
+        of_each(|lane| self.of(from, lane), bodies)
+    }
+
+    fn series<const W: usize>(&self, from: usize, bodies: usize) -> Option<Option<Box<dyn PullsInSeries>>> {
+        series_in_lanes::of_each::<_, D, W>(|lane| self.of(from, lane), bodies)
+    }
+}
+
+impl<E, const D: usize> TurnedApart<'_, E, D> {
+    /// What a lane of a row that begins there obeys; those beyond all obey what the first does.
+    fn of(&self, from: usize, lane: usize) -> &E {
+        self.0.get(from + lane).unwrap_or(&self.0[from])
     }
 }
 
@@ -317,10 +343,11 @@ struct Rigids<'a, X, Y, const D: usize> {
 }
 
 impl<X: Turned, Y: System<f64, D>, const D: usize> Rigids<'_, X, Y, D> {
-    /// Rows, each made of what is obeyed there by so many bodies in each lane.
+    /// Rows, each made from the number of its first trajectory, counted from these, and what is obeyed there by so many
+    /// bodies in each lane.
     fn of<B: Attitude<W>, const W: usize>(
         &self,
-        row: &dyn Fn(RigidLaws<Y, B, W>, usize) -> Box<dyn Engine<D>>,
+        row: &dyn Fn(usize, RigidLaws<Y, B, W>, usize) -> Option<Box<dyn Engine<D>>>,
     ) -> Groups<D> {
         let Self { bodies, systems, effects, starts, first } = *self;
         in_rows(W, starts, &|from, starts| {
@@ -328,7 +355,7 @@ impl<X: Turned, Y: System<f64, D>, const D: usize> Rigids<'_, X, Y, D> {
             let (systems, bodies) = (systems[own.clone()].into(), &bodies[own]);
             let number = starts[0].len();
             let laws = RigidLaws::new(systems, bodies, effects.pulls(from, number));
-            Some(side_by_side(row(laws, number), first + from, starts))
+            Some(side_by_side(row(from, laws, number)?, first + from, starts))
         })
     }
 }

@@ -10,7 +10,7 @@
 //! that have arrived are left out where all of a few have.
 
 use crate::kernel::series::{Products, blocks};
-use crate::methods::taylor::{INSIDE, SMALLEST_PART, Taylor};
+use crate::methods::taylor::{INSIDE, Taylor};
 use crate::motion::method::Method;
 use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
@@ -21,11 +21,8 @@ use crate::run::ensemble::linked_series_law::SeriesLaws;
 use crate::run::ensemble::linked_stand::{Departs, Pulls, Stand};
 use crate::run::ensemble::pace::MOVES;
 use crate::run::ensemble::series_in_lanes::PullingInSeries;
+use crate::run::ensemble::taylor_row::{ROUNDINGS_OF_SERIES, few_of, last_terms, measure, sum_up};
 use crate::systems::network::in_lanes::{FEW, Number, Numbers, zeros};
-use std::ops::Range;
-
-/// Accelerations may differ by so many roundings of places in the square of an inner step.
-const ROUNDINGS_OF_SERIES: f64 = 1024.0;
 
 /// Where inner steps lead, by power series.
 pub(super) struct Expansion<'a, const W: usize> {
@@ -124,7 +121,8 @@ impl<const W: usize> Work for Depart<'_, '_, '_, '_, '_, W> {
             }
             few.gather(stand, first);
             few.expand(&stand.course, first / FEW);
-            let inner = few.measure(method, stand, first);
+            let series = (&few.series[..], few.forces.len(), 1.0);
+            let inner = measure(method, series, &mut stand.pace, first);
             few.sum(&inner, first, end);
             for summed in &mut *inside {
                 few.sum(&inner, first, summed);
@@ -252,69 +250,6 @@ impl Few<'_> {
             row.0[first..first + FEW].copy_from_slice(&terms.0);
         }
     }
-
-    /// Says how long inner steps are and whether they are taken.
-    #[inline(always)]
-    fn measure<const W: usize>(
-        &self,
-        method: &Taylor,
-        stand: &mut Stand<'_, W>,
-        first: usize,
-    ) -> Numbers<FEW> {
-        let (pace, mut few, [mut left, mut next]) = (&mut stand.pace, zeros(), [zeros(); 2]);
-        few_of(&pace.left, first, &mut left);
-        let mut taken = [true; FEW];
-        match method.tolerance() {
-            None => (few, next) = (left, left),
-            Some(tolerance) => {
-                let longest = self.longest(method, tolerance);
-                let shortest = Fused(SMALLEST_PART * method.step_size().abs());
-                for l in 0..FEW {
-                    let (longest, left) = (longest.0[l], left.0[l]);
-                    taken[l] = shortest.0 <= longest.0;
-                    few.0[l] = Real::select(longest.0 < left.abs().0, longest * left.sign(), left);
-                    next.0[l] = Real::select(taken[l], left, Fused(0.0));
-                }
-            }
-        }
-        let own = first..first + FEW;
-        pace.inner.0[own.clone()].copy_from_slice(&few.0);
-        pace.next.0[own.clone()].copy_from_slice(&next.0);
-        pace.taken[own].copy_from_slice(&taken);
-        few
-    }
-
-    /// The longest inner steps whose last two terms keep the tolerance; 0 where a term is no number.
-    #[inline(always)]
-    fn longest(&self, method: &Taylor, tolerance: f64) -> Numbers<FEW> {
-        let n = self.forces.len();
-        let mut longest: Numbers<FEW> = zeros();
-        longest.0 = [Fused(f64::INFINITY); FEW];
-        for order in [method.order() as usize - 1, method.order() as usize] {
-            let (mut most, mut none): (Numbers<FEW>, Numbers<FEW>) = (zeros(), zeros());
-            let scale = Fused((order + 1) as f64 * method.step_size().abs());
-            for c in 0..n {
-                let [q, v] = [order, order + 1].map(|order| &self.series[order * n + c]);
-                for l in 0..FEW {
-                    most.0[l] = most.0[l].max(q.0[l].abs()).max(scale * v.0[l].abs());
-                    none.0[l] = Fused(0.0).multiply_add(q.0[l] + v.0[l], none.0[l]);
-                }
-            }
-            let inverse = Fused(1.0 / order as f64);
-            for l in 0..FEW {
-                let fits = (Fused(tolerance) / most.0[l]).powf(inverse);
-                let fits = Real::select(none.0[l].0 == 0.0, fits, Fused(0.0));
-                longest.0[l] = Real::select(fits.0 < longest.0[l].0, fits, longest.0[l]);
-            }
-        }
-        longest
-    }
-}
-
-/// A few lanes of these, from this one on.
-#[inline(always)]
-fn few_of<const W: usize>(from: &Numbers<W>, first: usize, to: &mut Numbers<FEW>) {
-    to.0.copy_from_slice(&from.0[first..first + FEW]);
 }
 
 /// Multiplies these by those.
@@ -330,55 +265,6 @@ fn multiply(to: &mut Numbers<FEW>, by: &Numbers<FEW>) {
 fn scale(times: Number, to: &mut Numbers<FEW>) {
     for l in 0..FEW {
         to.0[l] = times * to.0[l];
-    }
-}
-
-/// Sums up the series of a coordinate by Horner's rule: what its place and its velocity change by in these times, and
-/// the acceleration then.
-#[inline(always)]
-fn sum_up(
-    series: &[Numbers<FEW>],
-    n: usize,
-    time: &Numbers<FEW>,
-    way: &mut Numbers<FEW>,
-    change: &mut Numbers<FEW>,
-    bend: &mut Numbers<FEW>,
-) {
-    for k in (1..series.len().div_ceil(n)).rev() {
-        let (coefficient, [number, both]) = (&series[k * n], [k, k * (k - 1)].map(|k| Fused(k as f64)));
-        for l in 0..FEW {
-            let (a, time) = (coefficient.0[l], time.0[l]);
-            way.0[l] = time * (a + way.0[l]);
-            if k > 1 {
-                change.0[l] = time * number.multiply_add(a, change.0[l]);
-                bend.0[l] = time.multiply_add(bend.0[l], both * a);
-            }
-        }
-    }
-}
-
-/// The last two terms of the accelerations of a body after these times.
-#[inline(always)]
-fn last_terms(
-    series: &[Numbers<FEW>],
-    n: usize,
-    own: Range<usize>,
-    time: &Numbers<FEW>,
-    to: &mut Numbers<FEW>,
-) {
-    let last = series.len() / n - 1;
-    let [before, number] = [(last - 1) * (last - 2), last * (last - 1)].map(|k| Fused(k as f64));
-    for c in own {
-        let [a, b] = [last - 1, last].map(|k| &series[k * n + c]);
-        for l in 0..FEW {
-            let both = before * a.0[l].abs() + number * (b.0[l] * time.0[l]).abs();
-            to.0[l] = to.0[l].max(both);
-        }
-    }
-    for _ in 0..last - 3 {
-        for l in 0..FEW {
-            to.0[l] = to.0[l] * time.0[l].abs();
-        }
     }
 }
 

@@ -23,8 +23,8 @@
 //!   move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
 //!   different topologies, or with other bodies pinned;
-//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the methods of linked bodies except Lobatto's
-//!   and `Taylor`, always in double precision; also with flows of momenta, of the same kinds;
+//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the methods of linked bodies except
+//!   Lobatto's, always in double precision; also with flows of momenta, of the same kinds;
 //! * any number of bodies in [phase space](crate::systems::phase), of up to 16 coordinates, moved by RATTLE or a
 //!   composition of it, always in double precision with compensated sums.
 //!
@@ -112,6 +112,9 @@ mod rigid_law;
 mod rigid_projected;
 mod rigid_projected_lanes;
 mod rigid_row;
+mod rigid_series;
+mod rigid_stages;
+mod rigid_stand;
 mod rigid_stirring;
 mod row;
 mod series_in_lanes;
@@ -124,6 +127,7 @@ mod stirred;
 mod stirring;
 pub mod stream;
 mod taylor_lanes;
+mod taylor_row;
 mod track;
 pub mod trajectories;
 mod until;

@@ -33,6 +33,7 @@ use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::pace::{MOST_NEWTON_STEPS, MOST_PASSES};
 use crate::run::ensemble::projected_row::{Place, Row, Scratch};
 use crate::run::ensemble::row::{BY_ITSELF, pull};
+use crate::run::ensemble::taylor_row::ROUNDINGS_OF_SERIES;
 use crate::solve::aim::{BOLD, ROUNDINGS};
 use crate::solve::stop::{NOISE, TERMS};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
@@ -40,9 +41,6 @@ use std::borrow::Borrow;
 
 /// In single precision no tolerance is smaller than so many roundings of places: each inner step leaves one.
 const LEAST_ROUNDINGS: f64 = 4.0;
-
-/// Accelerations may differ by so many roundings of places in the square of an inner step.
-const ROUNDINGS_OF_SERIES: f64 = 1024.0;
 
 /// What a tolerance counts as at least, at this place; 0 in double precision.
 #[inline(always)]

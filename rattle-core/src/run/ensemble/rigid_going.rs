@@ -36,5 +36,5 @@ impl Turns<FEW> for Width {
 /// Takes steps that are projected.
 #[inline(never)]
 pub(super) fn project(steps: ProjectedSteps<'_, '_>) -> Result<(), Vec<Stuck>> {
-    steps.desk.set.run(steps)
+    steps.desk.stand.set.run(steps)
 }

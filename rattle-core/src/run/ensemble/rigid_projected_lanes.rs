@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::methods::dop853::Dop853;
 use crate::methods::dop853_table::STAGES;
+use crate::methods::taylor::Taylor;
 use crate::motion::bodies::Body;
 use crate::motion::method::{Method, View};
 use crate::motion::need::Need;
@@ -13,13 +14,17 @@ use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::by_itself::{self, prepared};
+use crate::run::ensemble::dop853_row::Stages;
 use crate::run::ensemble::engine::{Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::lane_record::{of_projected, read_all, write_all};
 use crate::run::ensemble::rigid_going::project;
 use crate::run::ensemble::rigid_law::RigidLaws;
-use crate::run::ensemble::rigid_projected::{COORDINATES, Desk, ProjectedSteps, ROW};
+use crate::run::ensemble::rigid_projected::{Desk, ProjectedSteps};
 use crate::run::ensemble::rigid_row::{Nine, RigidRow};
+use crate::run::ensemble::rigid_series::Expansion;
+use crate::run::ensemble::rigid_stand::{COORDINATES, Departs, ROW, Stand};
+use crate::run::ensemble::series_in_lanes::PullsInSeries;
 use crate::run::ensemble::track::State;
 use crate::run::fingerprint::{Looks, of_lane};
 use crate::run::trouble::Trouble;
@@ -28,36 +33,95 @@ use std::any::Any;
 use std::array::from_fn;
 use std::hint::black_box;
 
+/// A method whose steps are projected, for rows of rigid bodies.
+pub(super) trait ProjectsRigid: Clone + Send + Sync + 'static {
+    /// The method itself.
+    type Method: Method;
+
+    /// The method, as simulations have it.
+    fn method(&self) -> &Self::Method;
+    /// How often an inner step evaluates forces.
+    fn evaluations(&self) -> u32;
+    /// What finds where inner steps lead, of so many bodies.
+    fn departs(&self, bodies: usize) -> Box<dyn Departs + '_>;
+    /// Has lane `to` obey what lane `from` does, where the method keeps what lanes obey.
+    fn obey(&mut self, _from: usize, _to: usize) {}
+}
+
+impl ProjectsRigid for Dop853 {
+    type Method = Self;
+
+    fn method(&self) -> &Self {
+        self
+    }
+    fn evaluations(&self) -> u32 {
+        STAGES as u32
+    }
+    fn departs(&self, bodies: usize) -> Box<dyn Departs + '_> {
+        Box::new(Stages::<ROW>::new(COORDINATES.map(|own| own * bodies)))
+    }
+}
+
+/// The method, and effects as power series.
+pub(super) struct TaylorOfRigid {
+    pub(super) method: Taylor,
+    pub(super) pulls: Option<Box<dyn PullsInSeries>>,
+}
+
+impl Clone for TaylorOfRigid {
+    fn clone(&self) -> Self {
+        Self { pulls: self.pulls.as_ref().map(|pulls| pulls.boxed()), ..*self }
+    }
+}
+
+impl ProjectsRigid for TaylorOfRigid {
+    type Method = Taylor;
+
+    fn method(&self) -> &Taylor {
+        &self.method
+    }
+    fn evaluations(&self) -> u32 {
+        self.method.order()
+    }
+    fn departs(&self, bodies: usize) -> Box<dyn Departs + '_> {
+        Box::new(Expansion::new(self.method, self.pulls.as_deref(), bodies))
+    }
+    fn obey(&mut self, from: usize, to: usize) {
+        if let Some(pulls) = &mut self.pulls {
+            pulls.copy(from, to);
+        }
+    }
+}
+
 /// A row of trajectories of rigid bodies. D is 9.
-pub(super) struct RigidProjected<Y, const D: usize> {
+pub(super) struct RigidProjected<M, Y, const D: usize> {
     laws: RigidLaws<Y, Nine<ROW>, ROW>,
     /// Attitudes and momenta.
     kept: State<ROW>,
-    method: Dop853,
+    method: M,
     set: Fusing,
 }
 
-impl<Y, const D: usize> Clone for RigidProjected<Y, D> {
+impl<M: Clone, Y, const D: usize> Clone for RigidProjected<M, Y, D> {
     fn clone(&self) -> Self {
-        Self { laws: self.laws.clone(), kept: self.kept.clone(), ..*self }
+        let Self { laws, kept, method, set } = self;
+        Self { laws: laws.clone(), kept: kept.clone(), method: method.clone(), set: *set }
     }
 }
 
 /// What the method sees of a system.
-fn view<Y: System<f64, D>, const D: usize>(system: &Y) -> Result<View<'_, Dop853, f64, Y, D>, &'static str> {
-    <Dop853 as Method>::Need::of(system)
-}
+type Seen<'a, M, Y, const D: usize> = View<'a, <M as ProjectsRigid>::Method, f64, Y, D>;
 
-impl<Y: System<f64, D>, const D: usize> RigidProjected<Y, D> {
+impl<M: ProjectsRigid, Y: System<f64, D>, const D: usize> RigidProjected<M, Y, D> {
     /// Lanes, none of them set, for so many bodies.
-    pub(super) fn new(
-        laws: RigidLaws<Y, Nine<ROW>, ROW>,
-        bodies: usize,
-        method: Dop853,
-        set: Fusing,
-    ) -> Self {
+    pub(super) fn new(laws: RigidLaws<Y, Nine<ROW>, ROW>, bodies: usize, method: M, set: Fusing) -> Self {
         let kept = from_fn(|i| vec![zeros(); COORDINATES[i % 2] * bodies]);
         Self { laws, kept, method, set }
+    }
+
+    /// What the method sees of a system; none where it cannot move it, which was asked.
+    fn view(system: &Y) -> Option<Seen<'_, M, Y, D>> {
+        <M::Method as Method>::Need::of(system).ok()
     }
 
     /// The bodies of a lane.
@@ -85,9 +149,9 @@ impl<Y: System<f64, D>, const D: usize> RigidProjected<Y, D> {
         room: &mut Option<BodiesOf<Y, f64, D>>,
     ) -> Result<[Vec<f64>; 4], Stuck> {
         let system = self.laws.system(lane);
-        let view = view(system).map_err(|_| Stuck { lane, failure: None })?;
-        let bodies = prepared(&self.method, (system, view), &Self::bodies_of(kept, lane), room);
-        let done = self.method.step::<f64, Y, _, D>(view, bodies, &mut [], &mut ());
+        let (view, method) = (Self::view(system).ok_or(Stuck { lane, failure: None })?, self.method.method());
+        let bodies = prepared(method, (system, view), &Self::bodies_of(kept, lane), room);
+        let done = method.step::<f64, Y, _, D>(view, bodies, &mut [], &mut ());
         done.map_err(|failure| Stuck { lane, failure: Some(failure) })?;
         Ok(numbers(&bodies.all()))
     }
@@ -101,7 +165,7 @@ fn numbers<const D: usize>(bodies: &[Body<f64, D>]) -> [Vec<f64>; 4] {
     })
 }
 
-impl<Y: System<f64, D>, const D: usize> Engine<D> for RigidProjected<Y, D> {
+impl<M: ProjectsRigid, Y: System<f64, D>, const D: usize> Engine<D> for RigidProjected<M, Y, D> {
     fn width(&self) -> usize {
         ROW
     }
@@ -117,12 +181,13 @@ impl<Y: System<f64, D>, const D: usize> Engine<D> for RigidProjected<Y, D> {
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let (mut kept, n) = (self.kept.clone(), self.bodies_of_each());
         let mut room = self.laws.pulls.as_ref().map(|pulls| pulls.begin());
-        let mut desk = Desk::new(&self.laws.inertia, n, self.method, self.set);
         let copy_of = from_fn(|lane| tour.copy_of(lane));
         let mut rooms: Vec<_> = (0..self.laws.number_of_system(0)[0]).map(|_| None).collect();
         let mut apart = |lane: usize, kept: &State<ROW>| {
             self.step_alone(lane, kept, &mut rooms[self.laws.number_of_system(lane)[1]])
         };
+        let stand = Stand::new(&self.laws.inertia, n, self.method.method(), self.set);
+        let mut desk = Desk::new(stand, self.method.departs(n));
         while let Some(Leg { steps, written, .. }) = tour.next() {
             project(ProjectedSteps {
                 pulling: room
@@ -156,11 +221,12 @@ impl<Y: System<f64, D>, const D: usize> Engine<D> for RigidProjected<Y, D> {
 
     fn obey(&mut self, from: usize, to: usize) {
         self.laws.copy(from, to);
+        self.method.obey(from, to);
     }
 
     fn obey_as_in(&mut self, engine: &dyn Engine<D>) {
-        if let Some(Self { laws, .. }) = (engine as &dyn Any).downcast_ref() {
-            self.laws = laws.clone();
+        if let Some(Self { laws, method, .. }) = (engine as &dyn Any).downcast_ref() {
+            (self.laws, self.method) = (laws.clone(), method.clone());
         }
     }
 
@@ -176,15 +242,15 @@ impl<Y: System<f64, D>, const D: usize> Engine<D> for RigidProjected<Y, D> {
         _: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
         let system = self.laws.system(lane);
-        let Ok(view) = view(system) else { return Ok((bodies.to_vec(), 0.0)) }; // never: it was asked
-        by_itself::steps(&self.method, (system, view), bodies, steps)
+        let Some(view) = Self::view(system) else { return Ok((bodies.to_vec(), 0.0)) }; // never
+        by_itself::steps(self.method.method(), (system, view), bodies, steps)
     }
 
     fn kick_alone(&self, steps: u32) {
         let Some(pulls) = &self.laws.pulls else { return };
         let mut pulling = pulls.begin();
         let mut torques = vec![[zeros(); 3]; self.bodies_of_each()];
-        for _ in 0..steps * STAGES as u32 {
+        for _ in 0..steps * self.method.evaluations() {
             pulling.pull(self.set, 1e-9, (black_box(self.kept[0].as_chunks().0), &mut torques));
         }
         black_box(torques);
@@ -209,11 +275,11 @@ impl<Y: System<f64, D>, const D: usize> Engine<D> for RigidProjected<Y, D> {
     }
 
     fn method(&self) -> Hallmark {
-        of_projected(&self.method)
+        of_projected(self.method.method())
     }
 }
 
-impl<Y: System<f64, D>, const D: usize> Obeying<D> for RigidProjected<Y, D> {
+impl<M: ProjectsRigid, Y: System<f64, D>, const D: usize> Obeying<D> for RigidProjected<M, Y, D> {
     type System = Y;
 
     fn system(&self, lane: usize) -> &Y {
@@ -221,6 +287,6 @@ impl<Y: System<f64, D>, const D: usize> Obeying<D> for RigidProjected<Y, D> {
     }
 
     fn step_size(&self) -> f64 {
-        self.method.step_size()
+        self.method.method().step_size()
     }
 }

@@ -271,4 +271,9 @@ impl<F: Forces<f64, 9>, N: Count> Series<N, Kept<F>, f64, 9> for Turning<F, N> {
         let room = bodies.kept.series.as_ref()?;
         Some(spread(&room.impulse(body, h).into()))
     }
+
+    fn expanded_rate(&self, bodies: &BodiesOf<F, N>, body: usize, h: f64) -> Option<[f64; 9]> {
+        let room = bodies.kept.series.as_ref()?;
+        Some(spread(&room.rate(body, h).into()))
+    }
 }
