@@ -543,3 +543,46 @@ fn rods_are_kept_where_normals_come_close() {
     }
     assert!(passed > 600, "{passed}");
 }
+
+/// A square with both diagonals, one rod more than it needs, and a rod that hangs from it: what sights tell of
+/// temperatures, multipliers and forces is what they tell of simulations.
+#[test]
+fn sights_of_redundant_links() {
+    let long = 2.0_f64.sqrt();
+    let rods = [[0, 1], [1, 2], [2, 3], [3, 0], [0, 2], [1, 3], [1, 4]];
+    let length = |i: usize| if i == 4 || i == 5 { long } else { 1.0 };
+    let scene = Scene::points(5)
+        .link_each(rods.into_iter().enumerate().map(|(i, ends)| (PlanarRod { length: length(i) }, ends)))
+        .with(PlanarGravity { g: 0.3 });
+    let places = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [1.0, -1.0]];
+    let start = State::of(places).with_momenta(places.map(|[x, y]| [-y, x]));
+    let method = Rattle::new(0.01);
+    assert_eq!(scene.simulate(start.clone(), method).unwrap().temperature(), 1.5, "6 of 7 equations count");
+    let mut ensemble = scene.ensemble(vec![start.clone(); 3], method).unwrap();
+    let seen = ensemble.observe(30, 10, || Each::of(Told::default));
+    let each = scene.clone();
+    let mut sweep = Ensemble::sweep(Double, (0..3).map(|_| (&each, start.clone())), method).unwrap();
+    let swept = sweep.observe(30, 10, || Each::of(Told::default));
+    for told in [&seen, &swept] {
+        let off = told.get(1).unwrap().off_alone(&scene, &start, &method);
+        assert!(off < 1e-12, "{off:e}");
+    }
+}
+
+/// Links that come to depend on each other end a trajectory in lanes as they end a simulation.
+#[test]
+fn links_that_lose_their_rank_end_lanes_too() {
+    constraint! {
+        /// Dependent at z = 0.
+        struct Twist {}
+        |x, y, z| [y, y + z * x]
+    }
+    let scene = Scene::points(1).link(Twist {}, [[0]]);
+    let start = State::of([[0.0, 0.0, 1.0]]).with_momenta([[0.0, 0.0, -1.0]]);
+    let method = Dop853::new(0.125);
+    let mut alone = scene.simulate(start.clone(), method).unwrap();
+    let end = alone.run(8).unwrap_err();
+    let mut ensemble = scene.ensemble([start], method).unwrap();
+    ensemble.run(8);
+    assert_eq!(ensemble.failure(0).map(ToString::to_string), Some(end.to_string()));
+}

@@ -5,7 +5,7 @@ use rattle::bodies::{Count, Many, One};
 use rattle::effect::{Effects, Langevin};
 use rattle::ensemble::{InstructionSet, Snapshot};
 use rattle::links::planar::Rod as PlanarRod;
-use rattle::links::{Between, Rod, Slider};
+use rattle::links::{Between, Rod};
 use rattle::method::Method;
 use rattle::nalgebra::{Rotation3, SVector, Vector3};
 use rattle::network::Network;
@@ -188,7 +188,6 @@ fn links_that_depend_on_each_other_everywhere() {
     let scene = Scene::points(3)
         .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
         .link(Between { fraction: 0.5 }, [[0, 2, 1]])
-        .link(Slider { point: [0.0; 3], direction: [0.0, 0.0, 1.0] }, [[0]])
         .with(Gravity { g: 1.0 });
     let start = |i: i32| {
         let (sin, cos) = (0.3 * f64::from(i)).sin_cos();

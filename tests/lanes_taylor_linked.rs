@@ -410,3 +410,69 @@ fn narrow_hills_are_met_inside_of_inner_steps() {
         assert!(end.x > 0.0 && off < 1e-6, "{i}: at {end:?}, {off:e} off");
     }
 }
+
+/// Springs of one type between other bodies in other lanes, more or fewer of them than in the first lane; alone each is
+/// the same but for rounding.
+#[test]
+fn sweeps_over_numbers_of_springs() {
+    let scene = |springs: usize| {
+        let ends = [[0, 2], [1, 3], [0, 3]];
+        Scene::points(4)
+            .link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2], [2, 3]])
+            .pin(0, [0.0, 0.0])
+            .with(Spring { stiffness: 1.0, length: 1.0 }.over(ends.into_iter().take(springs)))
+    };
+    let start = |_: usize| {
+        let state = State::of([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]);
+        state.with_momenta([[0.0, 0.0], [0.0, 0.3], [0.0, 0.2], [0.0, 1.0]])
+    };
+    for numbers in [[1, 3, 2], [3, 1, 2]] {
+        let scenes: Vec<_> = (0..9).map(|i| scene(numbers[i % 3])).collect();
+        check(&[sweep(&scenes, start, Taylor::new(10, 0.02))]);
+    }
+}
+
+/// In any unit of length and time, at orders at which coefficients would not be numbers in units of 1.
+#[test]
+fn in_any_units() {
+    for (length, h) in [(1e-10, 1e-15), (1e6, 1e13)] {
+        let scene = Scene::points(2)
+            .link(PlanarRod { length }, [[0, 1]])
+            .pin(0, [0.0, 0.0])
+            .with(PlanarGravity { g: 0.01 * length / (h * h) });
+        let starts: Vec<_> = (0..9)
+            .map(|i| {
+                let (sin, cos) = (0.1 * f64::from(i)).sin_cos();
+                State::of([[0.0, 0.0], [length * cos, length * sin]])
+            })
+            .collect();
+        for method in [Taylor::new(30, h), Taylor::adaptive(30, h, 1e-15 * length)] {
+            let mut ensemble = scene.ensemble(starts.iter().cloned(), method).unwrap();
+            ensemble.run(20);
+            let found = starts.iter().enumerate().map(|(i, start)| {
+                let mut alone = scene.simulate(start.clone(), method).unwrap();
+                alone.run(20).unwrap();
+                let there = ensemble.state(i).positions().nth(1).unwrap();
+                (there - alone.positions().nth(1).unwrap()).norm() / length
+            });
+            check(&[found.fold(0.0, f64::max)]); // also that some was made in lanes
+        }
+    }
+}
+
+/// A force on a pinned body moves nothing, also where it has no series.
+#[test]
+fn forces_without_a_series_on_pinned_bodies() {
+    potential! {
+        struct Tether { k, l }
+        |q: [f64; 2]| k / 2 * (norm(q) - l)^2
+    }
+    let scene = Scene::points(3)
+        .link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2]])
+        .pin(0, [0.0, 0.0])
+        .with(Tether { k: 1.0, l: 0.5 });
+    let (start, method) = (State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), Taylor::new(12, 0.05));
+    let mut ensemble = scene.ensemble(vec![start.clone(); 64], method).unwrap();
+    ensemble.run(20); // later bodies come so near to the pin that all that differs grows
+    check(&[off_alone(&ensemble, 7, &scene, &start, &method, 20)]);
+}

@@ -22,7 +22,8 @@
 //! leaves out, the change is sought by bisection, and the inner step ends right behind it: the series may be wrong for
 //! as long as this leads the body off, with velocities times h, by no more than the tolerance. What is entered and left
 //! within a quarter of one inner step is not seen: h bounds the inner steps, and must be no longer than what acts is
-//! met for. Without a tolerance nothing is compared.
+//! met for. Where an inner step begins on the edge of a branch itself, there is no series, and the motion goes a 10⁻¹⁰
+//! of the step by its rates alone. Without a tolerance nothing is compared.
 //!
 //! Source: À. Jorba, M. Zou, Exp. Math. 14 (2005) 99.
 
@@ -48,6 +49,9 @@ const MOST_SHORT: usize = 64;
 
 /// An inner step that is moved onto the constraints too far is made shorter by this factor.
 const SHORTER: f64 = 1.0 / 3.0;
+
+/// The part of what is left of a step that bodies go by their rates alone where there is no series.
+const NUDGE: f64 = 1e-10;
 
 /// Rates of momenta, with which those of the series are compared.
 const PUSHED: usize = 1;
@@ -193,12 +197,20 @@ impl Taylor {
         };
         let mut number = 0_u32;
         let (mut left, mut short, mut most) = (self.h, 0, (f64::INFINITY, 0, tolerance));
-        let mut made = 0.0_f64;
+        let (mut made, mut nudged) = (0.0_f64, false);
         loop {
             let (mut longest, mut body) = self.longest(bodies, series, tolerance, motion.unit(bodies));
-            if longest.is_nan() {
-                return Err(Failure { body, cause: MethodFailure::StageNotFinite { h: self.h }.into() });
+            if longest.is_nan() || (nudged && longest < SMALLEST_PART * self.h.abs()) {
+                let time = NUDGE * left;
+                if nudged || !self.nudge(system, bodies, start, (series, pushed), time)? {
+                    return Err(Failure { body, cause: MethodFailure::StageNotFinite { h: self.h }.into() });
+                }
+                (nudged, left, number) = (true, left - time, number.saturating_add(1));
+                bodies.save(start);
+                motion.expand(bodies, series, &mut ());
+                continue;
             }
+            nudged = false;
             let mut error = tolerance;
             if most.0 < longest {
                 (longest, body, error) = most;
@@ -242,6 +254,42 @@ impl Taylor {
             bodies.save(start);
             motion.expand(bodies, series, &mut ());
         }
+    }
+
+    /// Takes bodies a little way by their rates alone, from the edge of a branch, where there is no series. Whether
+    /// that leads them off by no more than the tolerance, as it does where only rates of forces jump; `there` is room
+    /// for rates of each body.
+    #[cold]
+    fn nudge<T: Scalar, Y: System<T, D>, const D: usize>(
+        &self,
+        (system, rates, _): View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+        start: &Saved<Y::Count, T, D>,
+        (there, pushed): (&mut [[T; D]], &mut [[T; D]]),
+        time: f64,
+    ) -> Result<bool, Failure> {
+        let (n, step) = (bodies.q.as_ref().len(), T::from_f64(time));
+        let power = rates.evaluate_rates(bodies, pushed, &mut ());
+        for body in 0..n {
+            let (way, impulse) = (scaled(step, &system.velocity(bodies, body)), scaled(step, &pushed[body]));
+            let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
+            (*q, *q_low) = two_sum(q, &sum(q_low, &way));
+            let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
+            (*p, *p_low) = two_sum(p, &sum(p_low, &impulse));
+        }
+        bodies.work = bodies.work + step * power;
+        bodies.time += time;
+        land(time, (system, rates), start, bodies)??;
+        rates.evaluate_rates(bodies, &mut there[..n], &mut ());
+        let mut jump = 0.0_f64;
+        for body in 0..n {
+            let change = add_scaled(&there[body], T::from_f64(-1.0), &pushed[body]);
+            let p = std::mem::replace(&mut bodies.p.as_mut()[body], change);
+            let off = largest(&system.velocity(bodies, body)).to_f64();
+            bodies.p.as_mut()[body] = p;
+            jump = if off.is_nan() { f64::INFINITY } else { jump.max(off) };
+        }
+        Ok(self.led_off(jump, time) <= self.tolerance.unwrap_or(0.0))
     }
 
     /// The first of some times [inside](INSIDE) of an inner step of this length at which the series is not that of the

@@ -232,6 +232,9 @@ where
             effects.evaluate(Moment { time: 0.0, positions }, room, forces);
             let each = positions.iter().zip(&*forces).zip(R::each(times, &mut bodies));
             for ((position, force), (times, _, to)) in each {
+                if R::stays(times) {
+                    continue;
+                }
                 R::pull(times, position, &force.components(), first, to);
             }
         }

@@ -34,13 +34,13 @@ trait MovesLinks {
     /// No more coordinates go in rows of [`ROW`], where more than a few trajectories do.
     const IN_WIDE_ROWS: usize;
 
-    /// A row, no lane of which is set, of so many bodies of a network under these effects, the same on all lanes; none
-    /// where they cannot go side by side.
+    /// A row, no lane of which is set, of a network under these effects, the same on all lanes, with steps of this
+    /// length from these starts; none where they cannot go side by side.
     fn all<E: Effects<D>, const D: usize, const W: usize>(
         &self,
         network: &Network<D>,
         effects: &E,
-        bodies: usize,
+        starts: (&[State<D>], f64),
     ) -> Option<Box<dyn Engine<D>>>
     where
         Width: Wide<W>;
@@ -50,7 +50,7 @@ trait MovesLinks {
         &self,
         networks: &[&Network<D>],
         effects: &[&E],
-        bodies: usize,
+        starts: (&[State<D>], f64),
     ) -> Option<Box<dyn Engine<D>>>;
 }
 
@@ -61,12 +61,12 @@ impl MovesLinks for Splits {
         &self,
         network: &Network<D>,
         effects: &E,
-        bodies: usize,
+        starts: (&[State<D>], f64),
     ) -> Option<Box<dyn Engine<D>>>
     where
         Width: Wide<W>,
     {
-        let laws = LinkedLaws::<_, D, W>::by_all(network, effects, bodies, self.sums)?;
+        let laws = LinkedLaws::<_, D, W>::by_all(network, effects, starts, self.sums)?;
         Some(Box::new(LinkedLanes::new(laws, self.clone())))
     }
 
@@ -74,9 +74,9 @@ impl MovesLinks for Splits {
         &self,
         networks: &[&Network<D>],
         effects: &[&E],
-        bodies: usize,
+        starts: (&[State<D>], f64),
     ) -> Option<Box<dyn Engine<D>>> {
-        let laws = LinkedLaws::by_each(networks, effects, bodies, self.sums)?;
+        let laws = LinkedLaws::by_each(networks, effects, starts, self.sums)?;
         Some(Box::new(LinkedLanes::new(laws, self.clone())))
     }
 }
@@ -91,12 +91,12 @@ impl<M: ProjectsLinks> MovesLinks for (M, Fusing) {
         &self,
         network: &Network<D>,
         effects: &E,
-        bodies: usize,
+        starts: (&[State<D>], f64),
     ) -> Option<Box<dyn Engine<D>>>
     where
         Width: Wide<W>,
     {
-        let laws = LinkedLaws::<_, D, W>::by_all(network, effects, bodies, true)?;
+        let laws = LinkedLaws::<_, D, W>::by_all(network, effects, starts, true)?;
         Some(Box::new(LinkedProjected::new(laws, self.0.clone(), self.1)))
     }
 
@@ -104,9 +104,9 @@ impl<M: ProjectsLinks> MovesLinks for (M, Fusing) {
         &self,
         networks: &[&Network<D>],
         effects: &[&E],
-        bodies: usize,
+        starts: (&[State<D>], f64),
     ) -> Option<Box<dyn Engine<D>>> {
-        let laws = LinkedLaws::by_each(networks, effects, bodies, true)?;
+        let laws = LinkedLaws::by_each(networks, effects, starts, true)?;
         Some(Box::new(LinkedProjected::new(laws, self.0.clone(), self.1)))
     }
 }
@@ -118,13 +118,13 @@ impl MovesLinks for (Taylor, Fusing) {
         &self,
         network: &Network<D>,
         effects: &E,
-        bodies: usize,
+        starts: (&[State<D>], f64),
     ) -> Option<Box<dyn Engine<D>>>
     where
         Width: Wide<W>,
     {
-        let laws = LinkedLaws::<_, D, W>::by_all(network, effects, bodies, true)?;
-        let series = SeriesLaws::of(&laws.1, series_in_lanes::of_all(effects, bodies)?)?;
+        let laws = LinkedLaws::<_, D, W>::by_all(network, effects, starts, true)?;
+        let series = SeriesLaws::of(&laws.1, series_in_lanes::of_all(effects, starts.0.first()?.len())?)?;
         Some(Box::new(LinkedProjected::new(
             laws,
             TaylorOfLinks { method: self.0, laws: Arc::new(series) },
@@ -136,11 +136,12 @@ impl MovesLinks for (Taylor, Fusing) {
         &self,
         networks: &[&Network<D>],
         effects: &[&E],
-        bodies: usize,
+        starts: (&[State<D>], f64),
     ) -> Option<Box<dyn Engine<D>>> {
-        let laws = LinkedLaws::by_each(networks, effects, bodies, true)?;
+        let laws = LinkedLaws::by_each(networks, effects, starts, true)?;
         let of = |lane: usize| if lane < effects.len() { effects[lane] } else { effects[0] };
-        let series = SeriesLaws::of(&laws.1, series_in_lanes::of_each::<_, D, ROW>(of, bodies)?)?;
+        let series =
+            SeriesLaws::of(&laws.1, series_in_lanes::of_each::<_, D, ROW>(of, starts.0.first()?.len())?)?;
         Some(Box::new(LinkedProjected::new(
             laws,
             TaylorOfLinks { method: self.0, laws: Arc::new(series) },
@@ -162,6 +163,7 @@ struct InOneNetwork<'a, E, const D: usize> {
     network: &'a Network<D>,
     effects: &'a E,
     starts: &'a [State<D>],
+    h: f64,
     first: usize,
 }
 
@@ -169,13 +171,13 @@ impl<E: Effects<D>, const D: usize> OfLinks<D> for InOneNetwork<'_, E, D> {
     const FLOWS: bool = E::Forces::<f64>::FLOWS > 0;
 
     fn by<M: MovesLinks>(&self, method: &M) -> Groups<D> {
-        let Self { network, effects, starts, first } = *self;
+        let Self { network, effects, starts, h, first } = *self;
         let bodies = starts.first()?.len();
         // Three rows of a few take less time than a full one.
         let (row, width) = if starts.len() <= 3 * FEW || bodies * D > M::IN_WIDE_ROWS {
-            (method.all::<_, D, FEW>(network, effects, bodies)?, FEW)
+            (method.all::<_, D, FEW>(network, effects, (starts, h))?, FEW)
         } else {
-            (method.all::<_, D, ROW>(network, effects, bodies)?, ROW)
+            (method.all::<_, D, ROW>(network, effects, (starts, h))?, ROW)
         };
         in_rows(width, starts, &|from, starts| Some(side_by_side(row.boxed(), first + from, starts)))
     }
@@ -186,6 +188,7 @@ struct InNetworks<'a, E, const D: usize> {
     networks: &'a [&'a Network<D>],
     effects: &'a [&'a E],
     starts: &'a [State<D>],
+    h: f64,
     first: usize,
 }
 
@@ -193,14 +196,14 @@ impl<E: Effects<D> + 'static, const D: usize> OfLinks<D> for InNetworks<'_, E, D
     const FLOWS: bool = E::Forces::<f64>::FLOWS > 0;
 
     fn by<M: MovesLinks>(&self, method: &M) -> Groups<D> {
-        let Self { networks, effects, starts, first } = *self;
+        let Self { networks, effects, starts, h, first } = *self;
         let bodies = starts.first()?.len();
         if starts.iter().any(|start| start.len() != bodies) {
             return None;
         }
         in_rows(ROW, starts, &|from, starts| {
             let own = from..from + starts.len();
-            let row = method.each(&networks[own.clone()], &effects[own], bodies)?;
+            let row = method.each(&networks[own.clone()], &effects[own], (starts, h))?;
             Some(side_by_side(row, first + from, starts))
         })
     }
@@ -232,7 +235,7 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     starts: &[State<D>],
     lanes: &HowInLanes,
 ) -> Groups<D> {
-    moved::<P, S, _, D>(&InOneNetwork { network, effects, starts, first: lanes.first }, lanes)
+    moved::<P, S, _, D>(&InOneNetwork { network, effects, starts, h: lanes.h, first: lanes.first }, lanes)
 }
 
 /// The same, each in a network and under effects of its own.
@@ -242,7 +245,7 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
     starts: &[State<D>],
     lanes: &HowInLanes,
 ) -> Groups<D> {
-    moved::<P, S, _, D>(&InNetworks { networks, effects, starts, first: lanes.first }, lanes)
+    moved::<P, S, _, D>(&InNetworks { networks, effects, starts, h: lanes.h, first: lanes.first }, lanes)
 }
 
 /// Trajectories of rigid bodies, no more than there are lanes, in rows, in systems of one scene, or in scenes of their

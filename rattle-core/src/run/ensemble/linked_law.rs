@@ -17,7 +17,6 @@ use crate::run::ensemble::linked_stirring::{Question, RowStirring, vectors};
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
 use crate::systems::network::in_lanes::{Numbers, ROW};
-use crate::systems::network::shape::Shape;
 use crate::systems::network::{Network, constraints};
 use std::array::from_fn;
 use std::sync::Arc;
@@ -31,15 +30,16 @@ pub(super) struct Law<F, const D: usize> {
 }
 
 impl<F: Forces<f64, D>, const D: usize> Law<F, D> {
-    /// None where they cannot go side by side.
-    pub(super) fn new<E: Effects<D, Forces<f64> = F>>(
+    /// None where they cannot go side by side. The linear algebra is that of this start.
+    fn new<E: Effects<D, Forces<f64> = F>>(
         network: &Network<D>,
-        shape: Shape<D>,
         effects: &E,
-        bodies: usize,
+        start: &State<D>,
+        h: f64,
     ) -> Option<Self> {
-        let masses = masses(&shape)?;
-        let system = Linked::new(shape, effects.forces::<f64>(), Many(bodies));
+        let count = Many(start.len());
+        let system = Linked::ready(network, effects.forces::<f64>(), count, start, h, false).ok()?;
+        let masses = masses(&system.shape)?;
         let wide = !system.is_narrow();
         wide.then(|| Self { network: network.clone(), system: Arc::new(system), masses })
     }
@@ -137,17 +137,19 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLaws<F, D, W>
 where
     Width: Wide<W>,
 {
-    /// The same for all lanes: so many bodies of a network under these effects. None where they cannot go side by side.
+    /// The same for all lanes: a network under these effects, with steps of this length from these starts. None where
+    /// they cannot go side by side.
     pub(super) fn by_all<E: Effects<D, Forces<f64> = F>>(
         network: &Network<D>,
         effects: &E,
-        bodies: usize,
+        (starts, h): (&[State<D>], f64),
         sums: bool,
     ) -> Option<(LinkedPlan, Self)> {
+        let bodies = starts.first()?.len();
         let shape = network.shape(bodies).ok()?;
         let (plan, links) =
             (LinkedPlan::of(&shape, sums, false)?, Links::of(&shape, |_, group| Width::links(group))?);
-        let laws = vec![Law::new(network, shape, effects, bodies)?];
+        let laws = vec![starts.iter().find_map(|start| Law::new(network, effects, start, h))?];
         Some((plan, Self { laws, links, pulls: of_all(effects, bodies), over: None, stirring: None }))
     }
 }
@@ -158,13 +160,12 @@ impl<F: Forces<f64, D>, const D: usize> LinkedLaws<F, D, ROW> {
     pub(super) fn by_each<E: Effects<D, Forces<f64> = F> + 'static>(
         networks: &[&Network<D>],
         effects: &[&E],
-        bodies: usize,
+        (starts, h): (&[State<D>], f64),
         sums: bool,
     ) -> Option<(LinkedPlan, Self)> {
-        let laws = networks
-            .iter()
-            .zip(effects)
-            .map(|(network, effects)| Law::new(network, network.shape(bodies).ok()?, *effects, bodies));
+        let bodies = starts.first()?.len();
+        let own = networks.iter().zip(effects).zip(starts);
+        let laws = own.map(|((network, effects), start)| Law::new(network, *effects, start, h));
         let laws = laws.collect::<Option<Vec<_>>>()?;
         let of = |lane: usize| if lane < laws.len() { lane } else { 0 };
         let pinned = |law: &Law<F, D>| law.masses.iter().map(|mass| mass[1] == 0.0).collect::<Vec<_>>();

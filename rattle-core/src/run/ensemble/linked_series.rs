@@ -3,13 +3,13 @@
 //! start.
 //!
 //! ```text
-//! k M vₖ = fₖ₋₁ + Σⱼ λⱼ₋₁ nₖ₋ⱼ,   Σⱼ nⱼ·vₖ₋ⱼ = 0,   qₖ₊₁ = vₖ/(k + 1)
+//! k M vₖ = u² fₖ₋₁ + Σⱼ λⱼ₋₁ nₖ₋ⱼ,   Σⱼ nⱼ·vₖ₋ⱼ = 0,   qₖ₊₁ = vₖ/(k + 1)
 //! ```
 //!
-//! A few lanes at a time, whatever the width of the row: the products of all orders stay in the nearer cache, and lanes
-//! that have arrived are left out where all of a few have.
+//! u is the unit of time. A few lanes at a time, whatever the width of the row: the products of all orders stay in the
+//! nearer cache, and lanes that have arrived are left out where all of a few have.
 
-use crate::kernel::series::{Products, blocks};
+use crate::kernel::series::{Products, blocks, unit_near};
 use crate::methods::taylor::{INSIDE, Taylor};
 use crate::motion::method::Method;
 use crate::number::instructions::Work;
@@ -46,6 +46,7 @@ struct Summed<const W: usize> {
 /// The series of a few lanes.
 struct Few<'a> {
     laws: &'a SeriesLaws,
+    unit: f64,
     pulling: Option<Box<dyn PullingInSeries + 'a>>,
     /// Products of each kind of links; and of −λ with n and of n with v, entry by entry.
     of_links: Vec<Products<Numbers<FEW>>>,
@@ -67,6 +68,7 @@ impl<'a, const W: usize> Expansion<'a, W> {
         let (n, entries, orders) = (plan.coordinates, plan.of_entry.len(), method.coefficients());
         let few = Few {
             laws,
+            unit: unit_near(method.step_size()),
             pulling: laws.pulls.as_ref().map(|pulls| pulls.begin(orders)),
             of_links: laws.kinds.iter().map(|(_, blocks)| Products::new(*blocks, orders)).collect(),
             own: Products::new(blocks(2 * entries), orders),
@@ -121,7 +123,7 @@ impl<const W: usize> Work for Depart<'_, '_, '_, '_, '_, W> {
             }
             few.gather(stand, first);
             few.expand(&stand.course, first / FEW);
-            let series = (&few.series[..], few.forces.len(), 1.0);
+            let series = (&few.series[..], few.forces.len(), few.unit);
             let inner = measure(method, series, &mut stand.pace, first);
             few.sum(&inner, first, end);
             for summed in &mut *inside {
@@ -154,6 +156,7 @@ impl Few<'_> {
         for c in 0..n {
             few_of(&stand.tracks[0].now[c], first, &mut self.series[c]);
             few_of(&stand.tracks[1].now[c], first, &mut self.series[n + c]);
+            scale(Fused(self.unit), &mut self.series[n + c]);
             self.numbers[q + c] = self.series[c];
             match over {
                 Some(over) => few_of(&over[c], first, &mut self.over[c]),
@@ -168,7 +171,8 @@ impl Few<'_> {
     /// Writes q₂, q₃, … of the few lanes of this number, from q₀ and q₁ and the normals there.
     #[inline(always)]
     fn expand<const W: usize>(&mut self, &Course { plan, set, .. }: &Course<'_, W>, few: usize) {
-        let Self { laws, pulling, of_links, own, numbers, over, series, normals, forces, pull } = self;
+        let Self { laws, unit, pulling, of_links, own, numbers, over, series, normals, forces, pull } = self;
+        let square = Fused(*unit * *unit);
         let Places { g, change, x, .. } = plan.places;
         let (n, entries) = (plan.coordinates, plan.of_entry.len());
         let last = (series.len() / n.max(1)).saturating_sub(1); // 0 without bodies
@@ -188,14 +192,17 @@ impl Few<'_> {
                 }
             } else {
                 let mut own = own.next_within(k).take(blocks(2 * entries));
-                pull.copy_from_slice(forces);
+                for (pull, force) in pull.iter_mut().zip(&*forces) {
+                    *pull = *force;
+                    scale(square, pull);
+                }
                 for (entry, &[c, _]) in plan.of_entry.iter().enumerate() {
                     let known = own.sum(entry);
                     add_times(Fused(-1.0), &known, &mut pull[c]); // of −λ
                 }
                 for c in 0..n {
-                    let mut push = pull[c];
-                    multiply(&mut push, &over[c]);
+                    let mut push = zeros();
+                    respond(&pull[c], &over[c], &mut push);
                     numbers[change + c] = push;
                 }
                 plan.rates.carry_out(numbers);
@@ -232,13 +239,13 @@ impl Few<'_> {
     #[inline(always)]
     fn sum<const W: usize>(&self, inner: &Numbers<FEW>, first: usize, to: &mut Summed<W>) {
         let Summed { part, changes: [ways, changes], bends, left_out } = to;
-        let (n, mut time) = (self.forces.len(), *inner);
-        for l in 0..FEW {
-            time.0[l] = time.0[l] * *part;
-        }
+        let (n, over_unit, mut time) = (self.forces.len(), Fused(1.0 / self.unit), *inner);
+        scale(*part * over_unit, &mut time);
         for c in 0..n {
             let [mut x, mut y, mut z] = [zeros(); 3];
             sum_up(&self.series[c..], n, &time, &mut x, &mut y, &mut z);
+            scale(over_unit, &mut y);
+            scale(over_unit * over_unit, &mut z);
             for (row, few) in [(&mut ways[c], &x), (&mut changes[c], &y), (&mut bends[c], &z)] {
                 row.0[first..first + FEW].copy_from_slice(&few.0);
             }
@@ -247,16 +254,18 @@ impl Few<'_> {
         for (body, row) in left_out.iter_mut().enumerate() {
             let mut terms = zeros();
             last_terms(&self.series, n, body * dimension..(body + 1) * dimension, &time, &mut terms);
+            scale(over_unit * over_unit, &mut terms);
             row.0[first..first + FEW].copy_from_slice(&terms.0);
         }
     }
 }
 
-/// Multiplies these by those.
+/// M⁻¹f; 0 where a coordinate is pinned, whatever the force.
 #[inline(always)]
-fn multiply(to: &mut Numbers<FEW>, by: &Numbers<FEW>) {
+fn respond(force: &Numbers<FEW>, over: &Numbers<FEW>, to: &mut Numbers<FEW>) {
     for l in 0..FEW {
-        to.0[l] = to.0[l] * by.0[l];
+        let (over, zero) = (over.0[l], Fused(0.0));
+        to.0[l] = Real::select(over.0 == 0.0, zero, force.0[l] * over);
     }
 }
 

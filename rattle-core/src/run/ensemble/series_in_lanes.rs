@@ -57,7 +57,9 @@ pub(super) fn of_each<'a, E: Effects<D> + 'static, const D: usize, const W: usiz
         Some(Some(Box::new(OnEach { effects, blocks })))
     } else {
         let effects: Vec<_> = (0..W).map(|lane| effects(lane).forces::<Numbers<1>>()).collect();
-        let blocks = effects[0].series_blocks(bodies)?;
+        // Effects of one type may act among more bodies in some lanes than in others.
+        let blocks = effects.iter().map(|effects| effects.series_blocks(bodies));
+        let blocks = blocks.collect::<Option<Vec<_>>>()?.into_iter().fold(0, usize::max);
         Some(Some(Box::new(Any { effects, blocks, bodies })))
     }
 }
