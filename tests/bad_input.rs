@@ -66,6 +66,10 @@ fn nobody_is_moved_by_every_method() {
     several(Dop853::adaptive(0.1, 1e-9));
     several(Lobatto::<3>::new(0.1));
     let (scene, nobody) = (Scene::rigid(Rigid::new([1.0; 3])).bodies(0), State::of(Vec::<[f64; 9]>::new()));
+    scene.ensemble(vec![nobody.clone(); 3], Rattle::new(0.1)).unwrap().run(3);
+    scene.ensemble(vec![nobody.clone(); 3], Dop853::adaptive(0.1, 1e-9)).unwrap().run(3);
+    scene.ensemble(vec![nobody.clone(); 3], Taylor::new(8, 0.1)).unwrap().run(3);
+    scene.ensemble(vec![nobody.clone(); 3], Taylor::adaptive(8, 0.1, 1e-9)).unwrap().run(3);
     scene.simulate(nobody.clone(), Rattle::new(0.1)).unwrap().run(3).unwrap();
     scene.simulate(nobody.clone(), Dop853::adaptive(0.1, 1e-9)).unwrap().run(3).unwrap();
     scene.simulate(nobody.clone(), Taylor::new(8, 0.1)).unwrap().run(3).unwrap();

@@ -67,3 +67,63 @@ fn starts_where_curvature_jumps() {
     let free = FRAC_PI_2 - 2.0; // thrown back at π/2
     assert!((run.position().x - free).abs() < 1e-9, "{}", run.position().x);
 }
+
+potential! {
+    /// The same along y, from an edge on, with a weight.
+    struct Upper { k, edge, g }
+    |_x, y| k / 2 * max(y - edge, 0)^2 - g * y
+}
+
+potential! {
+    /// Its force has a slope without end at the edge.
+    struct Steep { k }
+    |_x, y| k * max(y, 0)^2.4
+}
+
+/// In the second coordinate, at rest, far from the origin, in single precision, and where high rates of forces are
+/// infinite at the edge.
+#[test]
+fn starts_on_edges_of_all_kinds() {
+    fn error<E: rattle::effect::Effects<2>>(effect: E, [y, vy]: [f64; 2], h: f64) -> f64 {
+        let start = State::at([0.0, y]).moving([1.0, vy]);
+        let mut run = Scene::point().with(effect).simulate(start, Taylor::adaptive(14, h, 1e-11)).unwrap();
+        run.run((4.0 / h) as u64).unwrap();
+        assert!((run.position().x - 4.0).abs() < 1e-9);
+        run.energy_error().abs()
+    }
+    let found = [
+        error(Upper { k: 4.0, edge: 0.0, g: 0.0 }, [0.0, 1.0], 0.25),
+        error(Upper { k: 4.0, edge: 0.0, g: 0.5 }, [0.0, 0.0], 0.25),
+        error(Upper { k: 4.0, edge: 0.0, g: 0.5 }, [0.0, 0.0], -0.25),
+        error(Upper { k: 4.0, edge: 1000.0, g: 0.0 }, [1000.0, 1.0], 1e-4),
+        error(Steep { k: 2.0 }, [0.0, 1.0], 0.25),
+    ];
+    println!("{found:?}");
+    assert!(found.iter().all(|&error| error < 1e-9), "{found:?}");
+    let starts = [1.0, -1.0].map(|x| State::at([x, -1.0]).moving([1.0, 0.0]));
+    let mut single =
+        Scene::on(Stadium {}).ensemble_in(Single, starts, Taylor::adaptive(10, 0.1, 1e-5)).unwrap();
+    single.run(50);
+    assert_eq!(single.failures().count(), 0, "{:?}", single.failure(0));
+    for (i, way) in [7.0, 5.0].into_iter().enumerate() {
+        let (place, expected) = (single.state(i).positions().next().unwrap(), along(way));
+        assert!((place[0] - expected[0]).hypot(place[1] - expected[1]) < 1e-3, "{place:?} for {expected:?}");
+    }
+}
+
+potential! {
+    /// No number where y is in a narrow band.
+    struct Band {}
+    |x, y| x + if y > 0.5 && y < 0.52 { sqrt(-1 - y^2) } else { 0 }
+}
+
+/// A force that is no number in one component alone, inside of an inner step.
+#[test]
+fn forces_that_are_no_numbers_are_met_inside() {
+    let method = Taylor::adaptive(18, 2.0, 1e-8);
+    let start = State::at([0.0, 0.0]).moving([0.0, 1.0]);
+    let mut run = Scene::point().with(Band {}).simulate(start, method).unwrap();
+    let error = run.run(1).unwrap_err();
+    println!("{error}");
+    assert!(run.position().y < 0.52, "{error}");
+}

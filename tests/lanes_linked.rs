@@ -582,7 +582,12 @@ fn links_that_lose_their_rank_end_lanes_too() {
     let method = Dop853::new(0.125);
     let mut alone = scene.simulate(start.clone(), method).unwrap();
     let end = alone.run(8).unwrap_err();
-    let mut ensemble = scene.ensemble([start], method).unwrap();
-    ensemble.run(8);
-    assert_eq!(ensemble.failure(0).map(ToString::to_string), Some(end.to_string()));
+    // Also beside one whose links depend on each other from the start on.
+    let ill = State::of([[0.0, 0.0, 0.0]]);
+    for starts in [vec![start.clone()], vec![ill, start]] {
+        let last = starts.len() - 1;
+        let mut ensemble = scene.ensemble(starts, method).unwrap();
+        ensemble.run(8);
+        assert_eq!(ensemble.failure(last).map(ToString::to_string), Some(end.to_string()));
+    }
 }

@@ -501,3 +501,31 @@ fn what_is_shown_is_on_its_own_sheet() {
         }
     }
 }
+
+/// The uncertainty of a mean along one trajectory, of steps that remember some twenty before, is what the means of 64
+/// trajectories are apart by, and that of all of them together an eighth of it. By the variance it were a seventh.
+#[test]
+fn means_know_what_they_are_off_by() {
+    let heat = rattle::effect::Langevin { friction: 1.0, temperature: 0.5, seed: 4 };
+    let harmonic = rattle::potentials::planar::Harmonic { stiffness: 1.0, centre: [0.0, 0.0] };
+    let scene = Scene::point().with(harmonic).with(heat);
+    let starts = || (0..64).map(|_| State::at([0.0, 0.0]));
+    let square = |now: &Sight<'_, 2>| now.position().norm_squared();
+    let mut ensemble = scene.ensemble(starts(), Baoab::new(0.05)).unwrap();
+    let each = ensemble.observe(20_000, 1, || Each::of(|| Mean::of(square)));
+    let means: Vec<_> = (0..64).map(|i| each.get(i).unwrap()).collect();
+    let spread = (means.iter().map(|mean| (mean.mean() - 1.0).powi(2)).sum::<f64>() / 64.0).sqrt();
+    let told = (means.iter().map(|mean| mean.uncertainty().powi(2)).sum::<f64>() / 64.0).sqrt();
+    let naive = (means[0].variance() / 20_000.0).sqrt();
+    let mut again = scene.ensemble(starts(), Baoab::new(0.05)).unwrap();
+    let all = again.observe(20_000, 1, || Mean::of(square));
+    println!("{spread} {told} {naive}, all {} {}", all.mean() - 1.0, all.uncertainty());
+    // 64 means tell their spread to 9 %; the largest of some errors, each known to 3 to 18 %, is a little more.
+    assert!((0.8..1.4).contains(&(told / spread)) && naive < 0.3 * spread, "{spread} {told} {naive}");
+    assert!((0.8..1.4).contains(&(all.uncertainty() * 8.0 / spread)), "{spread} {}", all.uncertainty());
+    assert!((all.mean() - 1.0).abs() < 4.0 * all.uncertainty());
+    let short = scene.simulate(State::at([0.0, 0.0]), Baoab::new(0.05)).unwrap();
+    let mut few = Mean::of(square);
+    { short }.observe(1023, 1, &mut few).unwrap();
+    assert!(few.uncertainty().is_nan(), "too few");
+}

@@ -74,7 +74,7 @@ use rattle_symbolic::{Macro, expand};
 ///
 /// Power series along a curve, for `Taylor`, are those of the branch taken at the start of the curve. Where the curve
 /// starts just at a change of branches, or where a function is not smooth (`sqrt`, `ln`, `cbrt`, real powers at 0),
-/// coefficients are NaN or infinite, and the step is an error.
+/// coefficients are NaN or infinite: a fixed step is an error then, and `Taylor::adaptive` goes a little way without.
 #[proc_macro]
 pub fn constraint(input: TokenStream) -> TokenStream {
     expand(Macro::Constraint, input.into()).into()

@@ -38,7 +38,7 @@ use crate::motion::parts::BodiesOf;
 use crate::motion::system::System;
 use crate::motion::witness::{AtEnd, Witness};
 use crate::number::real::Scalar;
-use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
+use crate::number::vector::{add_scaled, dot, extent, largest, scaled, sum, two_sum};
 
 /// The smallest part of a step that is tried.
 pub(crate) const SMALLEST_PART: f64 = 1e-6;
@@ -50,8 +50,11 @@ const MOST_SHORT: usize = 64;
 /// An inner step that is moved onto the constraints too far is made shorter by this factor.
 const SHORTER: f64 = 1.0 / 3.0;
 
-/// The part of what is left of a step that bodies go by their rates alone where there is no series.
+/// The part of what is left of a step that bodies go by their rates alone where there is no series; and by what factor
+/// longer they go if there is none then, at most so often: a place that is large beside the way may not change.
 const NUDGE: f64 = 1e-10;
+const LONGER: f64 = 32.0;
+const MOST_NUDGES: i32 = 5;
 
 /// Rates of momenta, with which those of the series are compared.
 const PUSHED: usize = 1;
@@ -197,20 +200,24 @@ impl Taylor {
         };
         let mut number = 0_u32;
         let (mut left, mut short, mut most) = (self.h, 0, (f64::INFINITY, 0, tolerance));
-        let (mut made, mut nudged) = (0.0_f64, false);
+        let (mut made, mut nudges) = (0.0_f64, 0);
         loop {
             let (mut longest, mut body) = self.longest(bodies, series, tolerance, motion.unit(bodies));
-            if longest.is_nan() || (nudged && longest < SMALLEST_PART * self.h.abs()) {
-                let time = NUDGE * left;
-                if nudged || !self.nudge(system, bodies, start, (series, pushed), time)? {
-                    return Err(Failure { body, cause: MethodFailure::StageNotFinite { h: self.h }.into() });
+            // Where it is short, too: right behind the edge of a branch whose high rates jump.
+            let short_there = nudges > 0 && longest < SMALLEST_PART * self.h.abs();
+            if nudges < MOST_NUDGES && (longest.is_nan() || short_there) {
+                let time = NUDGE * left * LONGER.powi(nudges);
+                if self.nudge(system, bodies, start, (series, pushed), time)? {
+                    (nudges, left, number) = (nudges + 1, left - time, number.saturating_add(1));
+                    bodies.save(start);
+                    motion.expand(bodies, series, &mut ());
+                    continue;
                 }
-                (nudged, left, number) = (true, left - time, number.saturating_add(1));
-                bodies.save(start);
-                motion.expand(bodies, series, &mut ());
-                continue;
             }
-            nudged = false;
+            if longest.is_nan() {
+                return Err(Failure { body, cause: MethodFailure::StageNotFinite { h: self.h }.into() });
+            }
+            nudges = 0;
             let mut error = tolerance;
             if most.0 < longest {
                 (longest, body, error) = most;
@@ -271,7 +278,11 @@ impl Taylor {
         let (n, step) = (bodies.q.as_ref().len(), T::from_f64(time));
         let power = rates.evaluate_rates(bodies, pushed, &mut ());
         for body in 0..n {
-            let (way, impulse) = (scaled(step, &system.velocity(bodies, body)), scaled(step, &pushed[body]));
+            let (impulse, p) = (scaled(step, &pushed[body]), bodies.p.as_ref()[body]);
+            // With half of the impulse: a body at rest is moved as well.
+            bodies.p.as_mut()[body] = add_scaled(&p, T::from_f64(0.5), &impulse);
+            let way = scaled(step, &system.velocity(bodies, body));
+            bodies.p.as_mut()[body] = p;
             let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
             (*q, *q_low) = two_sum(q, &sum(q_low, &way));
             let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
@@ -285,7 +296,7 @@ impl Taylor {
         for body in 0..n {
             let change = add_scaled(&there[body], T::from_f64(-1.0), &pushed[body]);
             let p = std::mem::replace(&mut bodies.p.as_mut()[body], change);
-            let off = largest(&system.velocity(bodies, body)).to_f64();
+            let off = extent(&system.velocity(bodies, body));
             bodies.p.as_mut()[body] = p;
             jump = if off.is_nan() { f64::INFINITY } else { jump.max(off) };
         }
@@ -423,10 +434,10 @@ impl Taylor {
                     (add_scaled(&there[body], T::from_f64(-1.0), &rate), [T::from_f64(0.0); D]);
             }
             let p = std::mem::replace(&mut bodies.p.as_mut()[body], there[body]);
-            let off = largest(&add_scaled(&sum, -square, &system.velocity(bodies, body)));
+            let off = extent(&add_scaled(&sum, -square, &system.velocity(bodies, body)));
             bodies.p.as_mut()[body] = p;
             let size = terms + largest(&bodies.q.as_ref()[body]) / (step * step);
-            let off = (off - last - rounding * size).to_f64();
+            let off = off - (last + rounding * size).to_f64();
             bend = if off.is_nan() { f64::INFINITY } else { bend.max(off) };
         }
         bend / (unit * unit)
@@ -444,8 +455,7 @@ impl Taylor {
         let mut longest = (f64::INFINITY, 0);
         for order in [self.order as usize - 1, self.order as usize] {
             for body in 0..n {
-                let q = largest(&series[order * n + body]).to_f64();
-                let v = largest(&series[(order + 1) * n + body]).to_f64();
+                let [q, v] = [order, order + 1].map(|order| extent(&series[order * n + body]));
                 let size = q.max((order + 1) as f64 * v * (self.h / unit).abs()) + 0.0 * (q + v); // NaN if one is
                 let fits = unit * (tolerance / size).powf(1.0 / order as f64);
                 if fits < longest.0 || fits.is_nan() {

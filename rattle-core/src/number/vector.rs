@@ -1,7 +1,7 @@
 //! Arithmetic on `[T; D]`, the form in which kernels see points and vectors. In loops: of many components
 //! `array::from_fn` may become a call, compiled for no instruction set.
 
-use crate::number::real::Real;
+use crate::number::real::{Real, Scalar};
 
 /// a·b, summed from the first component on.
 #[inline(always)]
@@ -51,6 +51,12 @@ pub(crate) fn largest<T: Real, const D: usize>(a: &[T; D]) -> T {
         largest = largest.max(component.abs());
     }
     largest
+}
+
+/// The same, and no number where a component is none.
+#[inline(always)]
+pub(crate) fn extent<T: Scalar, const D: usize>(a: &[T; D]) -> f64 {
+    if dot(a, a).to_f64().is_nan() { f64::NAN } else { largest(a).to_f64() }
 }
 
 /// The larger one, by one instruction: which, if one is no number, is not said.

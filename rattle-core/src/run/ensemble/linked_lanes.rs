@@ -15,7 +15,7 @@ use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, T
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::lane_record::{read_all, write_all};
 use crate::run::ensemble::linked_going::{Steps, Velocities, Wide, Width};
-use crate::run::ensemble::linked_law::{Heard, Law, LinkedLaws, answer, gradients};
+use crate::run::ensemble::linked_law::{Heard, Law, LinkedLaws, Narrow, answer, gradients};
 use crate::run::ensemble::linked_plan::{LinkedPlan, Places};
 use crate::run::ensemble::linked_row::{Course, LinkedRow, at_rest};
 use crate::run::ensemble::linked_stirred::StirredSteps;
@@ -52,6 +52,8 @@ pub(super) struct LinkedLanes<F, const D: usize, const W: usize> {
     /// The part of the method's step that comes next.
     part: usize,
     account: Account,
+    /// By lane what answers for bodies that go by themselves since links nearly depend on each other.
+    narrow: Vec<Narrow<F, D>>,
 }
 
 /// What is kept of each lane where flows act, or momenta are drawn anew; empty otherwise.
@@ -65,9 +67,9 @@ struct Account {
 
 impl<F, const D: usize, const W: usize> Clone for LinkedLanes<F, D, W> {
     fn clone(&self) -> Self {
-        let Self { common, obeyed, numbers, account, .. } = self;
-        let (common, obeyed) = (common.clone(), obeyed.clone());
-        Self { common, obeyed, numbers: numbers.clone(), account: account.clone(), ..*self }
+        let Self { common, obeyed, numbers, part, account, narrow } = self;
+        let (common, obeyed, narrow) = (common.clone(), obeyed.clone(), narrow.clone());
+        Self { common, obeyed, numbers: numbers.clone(), part: *part, account: account.clone(), narrow }
     }
 }
 
@@ -88,6 +90,7 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLanes<F, D, W> {
             numbers,
             part: 0,
             account,
+            narrow: vec![None; W],
         }
     }
 }
@@ -263,6 +266,7 @@ where
             numbers,
             part,
             account,
+            narrow: self.narrow.clone(),
         }))
     }
 
@@ -277,7 +281,8 @@ where
         let still = |body: &Body<f64, D>| Body { p: [0.0; D], p_low: [0.0; D], ..*body };
         let resting: Vec<_> = bodies.iter().filter(|_| renewal.is_some()).map(still).collect();
         let bodies = if renewal.is_some() { &resting } else { bodies };
-        let plain = law.is_plain(plan, (&ahead, bodies), *h);
+        let (plain, narrow) = law.is_plain(plan, (&ahead, bodies), *h);
+        self.narrow[lane] = narrow;
         let mut heard = Heard::of(system);
         let settled = system.settle(part.lead, part.h, &mut ahead, &mut ());
         let places = ahead.all();
@@ -343,6 +348,7 @@ where
 
     fn copy(&mut self, from: usize, to: usize) {
         self.numbers.iter_mut().for_each(|numbers| numbers.0[to] = numbers.0[from]);
+        self.narrow[to] = self.narrow[from].clone();
         let Account { work, limits } = &mut self.account;
         [work, limits].into_iter().filter(|of| !of.is_empty()).for_each(|of| of[to] = of[from]);
     }
@@ -476,7 +482,7 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> Obeying<D> for LinkedLan
     type System = Linked<F, Many, D>;
 
     fn system(&self, lane: usize) -> &Self::System {
-        &self.law(lane).system
+        self.narrow[lane].as_ref().unwrap_or(&self.law(lane).system)
     }
 
     fn step_size(&self) -> f64 {

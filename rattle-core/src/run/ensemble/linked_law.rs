@@ -27,21 +27,31 @@ pub(super) struct Law<F, const D: usize> {
     pub(super) network: Network<D>,
     pub(super) system: Arc<Linked<F, Many, D>>,
     pub(super) masses: Vec<[f64; 2]>,
+    /// Whether the start wants an orthonormal basis, for which elimination stands in: bodies go by themselves.
+    narrow: bool,
 }
 
 impl<F: Forces<f64, D>, const D: usize> Law<F, D> {
-    /// None where they cannot go side by side. The linear algebra is that of this start.
+    /// None where they cannot go side by side. The linear algebra is that of this start, but for a basis.
     fn new<E: Effects<D, Forces<f64> = F>>(
         network: &Network<D>,
         effects: &E,
         start: &State<D>,
         h: f64,
     ) -> Option<Self> {
-        let count = Many(start.len());
-        let system = Linked::ready(network, effects.forces::<f64>(), count, start, h, false).ok()?;
+        let (count, forces) = (Many(start.len()), || effects.forces::<f64>());
+        let ready = Linked::ready(network, forces(), count, start, h, false).ok()?;
+        let narrow = ready.is_narrow();
+        let system =
+            if narrow { Linked::new(network.shape(start.len()).ok()?, forces(), count) } else { ready };
         let masses = masses(&system.shape)?;
         let wide = !system.is_narrow();
-        wide.then(|| Self { network: network.clone(), system: Arc::new(system), masses })
+        wide.then(|| Self { network: network.clone(), system: Arc::new(system), masses, narrow })
+    }
+
+    /// Whether no link depends on others where these bodies are placed.
+    fn is_independent(&self, plan: &LinkedPlan, placed: &BodiesOf<F, Many, D>) -> bool {
+        self.system.freedom(placed) + plan.equations == plan.moving.len()
     }
 
     /// Effects, what they act on, and masses.
@@ -50,16 +60,21 @@ impl<F: Forces<f64, D>, const D: usize> Law<F, D> {
     }
 
     /// Whether elimination by this plan is enough for these bodies, in a system and as they are, in steps of this
-    /// length: no link depends on others there, nor nearly.
+    /// length: no link depends on others there, nor nearly. And what answers for them where they want a basis.
     pub(super) fn is_plain(
         &self,
         plan: &LinkedPlan,
         (placed, bodies): (&BodiesOf<F, Many, D>, &[Body<f64, D>]),
         h: f64,
-    ) -> bool {
-        let independent = self.system.freedom(placed) + plan.equations == plan.moving.len();
-        let narrow = || self.ready(bodies, h).is_none_or(|system| system.is_narrow());
-        independent && !(plan.equations > constraints::FEW && narrow())
+    ) -> (bool, Narrow<F, D>) {
+        let independent = self.is_independent(plan, placed);
+        if plan.equations <= constraints::FEW {
+            return (independent, None);
+        }
+        match self.ready(bodies, h) {
+            Some(system) if system.is_narrow() => (false, Some(Arc::new(system))),
+            system => (independent && system.is_some(), None),
+        }
     }
 
     /// What moves these bodies as a simulation does, in steps of this length.
@@ -70,6 +85,9 @@ impl<F: Forces<f64, D>, const D: usize> Law<F, D> {
         Linked::ready(&self.network, effects, count, &start, h, false).ok()
     }
 }
+
+/// The system of bodies whose links nearly depend on each other, by an orthonormal basis; none where they do not.
+pub(super) type Narrow<F, const D: usize> = Option<Arc<Linked<F, Many, D>>>;
 
 /// What the lanes of a row obey.
 pub(super) struct LinkedLaws<F, const D: usize, const W: usize> {
@@ -138,7 +156,7 @@ where
     Width: Wide<W>,
 {
     /// The same for all lanes: a network under these effects, with steps of this length from these starts. None where
-    /// they cannot go side by side.
+    /// they cannot go side by side, as where all want a basis.
     pub(super) fn by_all<E: Effects<D, Forces<f64> = F>>(
         network: &Network<D>,
         effects: &E,
@@ -149,7 +167,23 @@ where
         let shape = network.shape(bodies).ok()?;
         let (plan, links) =
             (LinkedPlan::of(&shape, sums, false)?, Links::of(&shape, |_, group| Width::links(group))?);
-        let laws = vec![starts.iter().find_map(|start| Law::new(network, effects, start, h))?];
+        // That of a start without dependent links, if there is one: links are compared with what they were at first.
+        let mut law: Option<Law<F, D>> = None;
+        for start in starts {
+            let of_start = Law::new(network, effects, start, h)?;
+            if of_start.narrow {
+                continue;
+            }
+            let placed = of_start.system.bodies(&start.bodies, start.time);
+            let independent = of_start.is_independent(&plan, &placed);
+            if law.is_none() || independent {
+                law = Some(of_start);
+            }
+            if independent {
+                break;
+            }
+        }
+        let laws = vec![law?];
         Some((plan, Self { laws, links, pulls: of_all(effects, bodies), over: None, stirring: None }))
     }
 }
@@ -167,6 +201,9 @@ impl<F: Forces<f64, D>, const D: usize> LinkedLaws<F, D, ROW> {
         let own = networks.iter().zip(effects).zip(starts);
         let laws = own.map(|((network, effects), start)| Law::new(network, *effects, start, h));
         let laws = laws.collect::<Option<Vec<_>>>()?;
+        if laws.iter().all(|law| law.narrow) {
+            return None;
+        }
         let of = |lane: usize| if lane < laws.len() { lane } else { 0 };
         let pinned = |law: &Law<F, D>| law.masses.iter().map(|mass| mass[1] == 0.0).collect::<Vec<_>>();
         let first = &laws[0];

@@ -23,7 +23,7 @@ use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::lane_record::{of_projected, read_all, write_all};
 use crate::run::ensemble::linked_collocation::{self as collocation, Coefficients, Collocation};
 use crate::run::ensemble::linked_going::{Wide, Width};
-use crate::run::ensemble::linked_law::{Law, LinkedLaws};
+use crate::run::ensemble::linked_law::{Law, LinkedLaws, Narrow};
 use crate::run::ensemble::linked_plan::LinkedPlan;
 use crate::run::ensemble::linked_projected::{Desk, ProjectedSteps};
 use crate::run::ensemble::linked_projected_row::{Kept, Landed, forget};
@@ -145,12 +145,15 @@ pub(super) struct LinkedProjected<M, F, const D: usize, const W: usize> {
     kept: Kept<W>,
     method: M,
     set: Fusing,
+    /// By lane what answers for bodies that go by themselves since links nearly depend on each other.
+    narrow: Vec<Narrow<F, D>>,
 }
 
 impl<M: Clone, F, const D: usize, const W: usize> Clone for LinkedProjected<M, F, D, W> {
     fn clone(&self) -> Self {
-        let Self { plan, laws, kept, method, set } = self;
-        Self { plan: plan.clone(), laws: laws.clone(), kept: kept.clone(), method: method.clone(), set: *set }
+        let Self { plan, laws, kept, method, set, narrow } = self;
+        let (plan, laws, narrow) = (plan.clone(), laws.clone(), narrow.clone());
+        Self { plan, laws, kept: kept.clone(), method: method.clone(), set: *set, narrow }
     }
 }
 
@@ -158,7 +161,7 @@ impl<M: ProjectsLinks, F: Forces<f64, D>, const D: usize, const W: usize> Linked
     /// Lanes, none of them set, of what is obeyed there.
     pub(super) fn new((plan, laws): (LinkedPlan, LinkedLaws<F, D, W>), method: M, set: Fusing) -> Self {
         let kept = Kept::new(plan.coordinates, method.remembers(&plan));
-        Self { plan: Arc::new(plan), laws: Arc::new(laws), kept, method, set }
+        Self { plan: Arc::new(plan), laws: Arc::new(laws), kept, method, set, narrow: vec![None; W] }
     }
 
     /// What the method sees of a system; none where it cannot move it, which was asked.
@@ -288,11 +291,18 @@ where
         forget(&mut kept.past, lane);
         (kept.asked.0[lane], kept.astray.0[lane]) = (Fused(0.0), Fused(0.0));
         let finite = bodies.iter().all(|body| body.q.iter().chain(&body.p).all(|x| x.is_finite()));
-        finite && law.is_plain(&self.plan, (&law.system.bodies(bodies, 0.0), bodies), self.step_size())
+        if !finite {
+            return false;
+        }
+        let placed = law.system.bodies(bodies, 0.0);
+        let (plain, narrow) = law.is_plain(&self.plan, (&placed, bodies), self.step_size());
+        self.narrow[lane] = narrow;
+        plain
     }
 
     fn copy(&mut self, from: usize, to: usize) {
         self.kept.all().for_each(|numbers| numbers.0[to] = numbers.0[from]);
+        self.narrow[to] = self.narrow[from].clone();
     }
 
     fn obey(&mut self, from: usize, to: usize) {
@@ -365,7 +375,7 @@ impl<M: ProjectsLinks, F: Forces<f64, D>, const D: usize, const W: usize> Obeyin
     type System = Linked<F, Many, D>;
 
     fn system(&self, lane: usize) -> &Self::System {
-        &self.laws.law(lane).system
+        self.narrow[lane].as_ref().unwrap_or(&self.laws.law(lane).system)
     }
 
     fn step_size(&self) -> f64 {

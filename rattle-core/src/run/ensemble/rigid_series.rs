@@ -160,7 +160,7 @@ impl Few<'_> {
     fn expand(&mut self, set: Fusing, few: usize) {
         let Self { bodies, unit, pulling, inertia, attitudes, forces, momenta, spins } = self;
         let (of_matrices, of_vectors) = (9 * *bodies, 3 * *bodies);
-        let last = momenta.len() / of_vectors - 1;
+        let last = (momenta.len() / of_vectors.max(1)).saturating_sub(1); // 0 without bodies
         for k in 0..last {
             let now = k * of_matrices..(k + 1) * of_matrices;
             if let Some(pulling) = pulling {

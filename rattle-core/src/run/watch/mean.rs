@@ -18,6 +18,7 @@ pub struct Mean<Q> {
     /// What is not yet in `all`: so many of these.
     number: usize,
     recent: [f64; RECENT],
+    blocks: Blocks,
     /// Momenta have jumped since the sight of this time: the integral until the last jump, the value right after it,
     /// and its time. A step that failed behind a jump leaves it to a sight that is seen no more.
     jumped: Option<(f64, [f64; 3])>,
@@ -25,6 +26,49 @@ pub struct Mean<Q> {
 
 /// So many sights are joined at a time.
 const RECENT: usize = 64;
+
+/// Means of blocks of [`RECENT`] successive sights, of twice as many, and so on: where blocks are longer than the
+/// quantity remembers, their means are independent.
+///
+/// Source: H. Flyvbjerg, H. G. Petersen, J. Chem. Phys. 91 (1989) 461.
+#[derive(Debug, Clone)]
+struct Blocks([(Moments, Option<f64>); LENGTHS]);
+
+/// Lengths of blocks.
+const LENGTHS: usize = 32;
+
+/// Fewer blocks say too little of the spread of their means.
+const FEWEST_BLOCKS: f64 = 16.0;
+
+impl Blocks {
+    /// Adds the mean of a block of the shortest length.
+    fn add(&mut self, mut mean: f64) {
+        for (blocks, first_half) in &mut self.0 {
+            *blocks = blocks.and(Moments { number: 1.0, mean, squares: 0.0 });
+            match first_half.take() {
+                None => {
+                    *first_half = Some(mean);
+                    return;
+                }
+                Some(first) => mean = 0.5 * (first + mean),
+            }
+        }
+    }
+
+    /// Adds those of other trajectories, or of later sights; halves of blocks are left out.
+    fn join(&mut self, next: &Self) {
+        for ((blocks, _), (others, _)) in self.0.iter_mut().zip(&next.0) {
+            *blocks = blocks.and(*others);
+        }
+    }
+
+    /// The largest standard error of the mean that blocks of a length tell of.
+    fn error(&self) -> f64 {
+        let told = self.0.iter().filter(|(blocks, _)| blocks.number >= FEWEST_BLOCKS);
+        let errors = told.map(|(Moments { number, squares, .. }, _)| squares / (number - 1.0) / number);
+        errors.fold(f64::NAN, f64::max).sqrt()
+    }
+}
 
 /// Number, mean, and sum of the squares of differences to it.
 #[derive(Debug, Clone, Copy)]
@@ -79,6 +123,7 @@ impl<Q> Mean<Q> {
             all: Moments::of(&[]),
             number: 0,
             recent: [0.0; RECENT],
+            blocks: Blocks([(Moments::of(&[]), None); LENGTHS]),
             jumped: None,
         }
     }
@@ -110,6 +155,9 @@ impl<Q> Mean<Q> {
 
     #[inline(never)]
     fn settle(&mut self) {
+        if self.number == RECENT {
+            self.blocks.add(Moments::of(&self.recent).mean);
+        }
         (self.all, self.number) = (self.moments(), 0);
     }
 
@@ -128,11 +176,37 @@ impl<Q> Mean<Q> {
     /// The mean square deviation from the mean, with n − 1 in the denominator; NaN if there were fewer than two sights.
     ///
     /// √(variance/n) is the standard error of the mean only where sights are independent. Successive sights of one
-    /// trajectory are not: average over blocks longer than the correlation time, or over trajectories.
+    /// trajectory are not: their [`uncertainty`](Self::uncertainty) is larger.
     #[doc(alias = "standard deviation")]
     pub fn variance(&self) -> f64 {
         let Moments { number, squares, .. } = self.moments();
         if number < 2.0 { f64::NAN } else { squares / (number - 1.0) }
+    }
+
+    /// The standard error of the mean, by the spread of means over blocks of 64, 128, … successive sights; the largest
+    /// that blocks of a length tell of, of those that there are 16 of. NaN after fewer than 1024 sights.
+    ///
+    /// Too small where a quantity remembers longer than a sixteenth of the run of its trajectory, or where a part of
+    /// the surface was not reached at all; up to a third too large otherwise. variance/uncertainty² is the number of
+    /// independent sights that would tell as much.
+    ///
+    /// ```
+    /// # use rattle::effect::Langevin;
+    /// # use rattle::{Baoab, Scene, State, potentials::planar::Harmonic, watch::{Mean, Sight}};
+    /// let heat = Langevin { friction: 1.0, temperature: 0.5, seed: 1 };
+    /// let scene = Scene::point().with(Harmonic { stiffness: 1.0, centre: [0.0, 0.0] }).with(heat);
+    /// let mut simulation = scene.simulate(State::at([0.0, 0.0]), Baoab::new(0.5))?;
+    /// let mut square = Mean::of(|now: &Sight<'_, 2>| now.positions[0].x.powi(2));
+    /// simulation.observe(20_000, 1, &mut square)?;
+    /// assert!((square.mean() - 0.5).abs() < 4.0 * square.uncertainty());
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    #[doc(alias = "standard error")]
+    #[doc(alias = "error bar")]
+    #[doc(alias = "block averaging")]
+    #[doc(alias = "effective sample size")]
+    pub fn uncertainty(&self) -> f64 {
+        self.blocks.error()
     }
 }
 
@@ -168,5 +242,6 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Mean<Q> {
     fn join(&mut self, next: Self) {
         self.settle();
         self.all = self.all.and(next.moments());
+        self.blocks.join(&next.blocks);
     }
 }
