@@ -4,11 +4,16 @@ use crate::common::linked::{Rod, chain, double_pendulum};
 use crate::common::*;
 use num_bigint::BigInt;
 use rattle::Error;
+use rattle::effect::{Acting, Effect, Moment};
 use rattle::error::{MethodFailure, StepFailure};
+use rattle::lanes::Lane;
 use rattle::links::planar::TurningLine;
 use rattle::methods::dop853_table as table;
 use rattle::prelude::*;
+use rattle::real::Real;
 use rattle::surfaces::Torus;
+use std::array::from_fn;
+use std::sync::{Arc, Mutex};
 
 /// Decimals kept in exact sums.
 const DECIMALS: u32 = 60;
@@ -374,4 +379,83 @@ fn too_many_inner_steps_are_told_with_the_one_that_is_needed() {
         };
         assert!(inner < 1e-6 * h && inner > 1e-8 * h, "h = {h:e}: {inner:e}");
     }
+}
+
+/// A push along x that oscillates, U = -a cos(wt) x, which notes the times at which U is asked for.
+#[derive(Debug, Clone)]
+struct Tide {
+    a: f64,
+    w: f64,
+    asked: Arc<Mutex<Vec<f64>>>,
+}
+
+/// The kind of the tide.
+struct Tidal;
+
+impl Effect<3, Tidal> for Tide {
+    type Acting<T: Real> = Tide;
+    fn acting<T: Real>(&self) -> Tide {
+        self.clone()
+    }
+    type Swept<S: Lane, const L: usize> = [Tide; L];
+    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L> {
+        from_fn(|i| lane(i).clone())
+    }
+}
+
+impl<T: Real> Acting<T, 3> for Tide {
+    type Room = ();
+    fn room(&self, _: usize) {}
+    fn changes_with_time(&self) -> bool {
+        true
+    }
+    fn add_forces(&self, at: Moment<'_, T, 3>, (): &mut (), forces: &mut [[T; 3]]) {
+        let push = T::from_f64(self.a * (self.w * at.time).cos());
+        forces.iter_mut().for_each(|force| force[0] = force[0] + push);
+    }
+    fn energy(&self, at: Moment<'_, T, 3>) -> T {
+        self.asked.lock().unwrap().push(at.time);
+        let push = T::from_f64(-self.a * (self.w * at.time).cos());
+        at.positions.iter().fold(T::from_f64(0.0), |sum, q| sum + push * q[0])
+    }
+    fn power(&self, at: Moment<'_, T, 3>) -> T {
+        let push = T::from_f64(self.a * self.w * (self.w * at.time).sin());
+        at.positions.iter().fold(T::from_f64(0.0), |sum, q| sum + push * q[0])
+    }
+}
+
+constraint! {
+    /// A ridge with a radius of some 10⁻⁶, of which no stage knows: inner steps over it are put back.
+    struct Ridge { slope, radius }
+    |x, _y, z| z + slope * sqrt(x^2 + radius^2)
+}
+
+/// The potential energy at the end of an inner step is that at the start of the next: in no step is one time asked for
+/// twice. Where an inner step was put back, the work is still counted from where it began.
+#[test]
+fn a_driven_potential_is_evaluated_once_between_inner_steps() {
+    let (mut divided, mut back) = (0, 0);
+    for (x, h) in [(0.2, 0.2), (0.3, 0.2), (0.41, 0.2), (0.5, 0.2), (0.2, 0.5), (0.5, 0.5)] {
+        let asked = Arc::new(Mutex::new(Vec::new()));
+        let ridge = Ridge { slope: 0.3, radius: 1e-6 };
+        let scene = Scene::on(ridge).with(Tide { a: 0.3, w: 2.0, asked: asked.clone() });
+        let start = State::at([-x, 0.0, -0.3 * x]).moving([0.8, 0.3, 0.0]);
+        let start = scene.project(&start).unwrap();
+        let mut simulation = scene.simulate(start, Dop853::adaptive(h, 1e-5)).unwrap();
+        for step in 1..=(2.0 / h) as u64 {
+            asked.lock().unwrap().clear();
+            simulation.step().unwrap();
+            let mut times = std::mem::take(&mut *asked.lock().unwrap());
+            divided += usize::from(times.len() > 2);
+            back += times.windows(2).filter(|pair| pair[1] < pair[0]).count();
+            times.sort_by(f64::total_cmp);
+            let twice = times.windows(2).filter(|pair| pair[0] == pair[1]).count();
+            assert_eq!(twice, 0, "from {x}, h = {h}, step {step}: {times:?}");
+            let ends = [times[0], times[times.len() - 1]].map(|time| (time / h).round() as u64);
+            assert_eq!(ends, [step - 1, step], "from {x}, h = {h}: {times:?}");
+        }
+        let [off, x_end] = [simulation.energy_error(), simulation.position().x];
+        assert!(off.abs() < 1e-4 && x_end > 1.0, "from {x}, h = {h}: {off:e} at {x_end}");
+    }
+    assert!(divided > 4 && back > 4, "{divided} divided, {back} inner steps put back");
 }

@@ -164,7 +164,8 @@ impl Dop853 {
         room: &mut [[T; D]],
         witness: &mut W,
     ) -> Result<u32, Failure> {
-        let mut stages = Stages::begin(system, bodies, saved, room, witness);
+        let energy = Stages::energy_of(system, bodies);
+        let mut stages = Stages::begin(system, bodies, energy, saved, room, witness);
         let Some(tolerance) = self.tolerance else {
             stages.evaluate::<true, _>(system, bodies, self.h)?;
             let landed = stages.arrive(system, bodies, self.h)?;
@@ -197,7 +198,8 @@ impl Dop853 {
                 left -= inner;
                 made = made.max(inner.abs());
                 inner *= fitting;
-                stages = Stages::begin(system, bodies, saved, room, &mut ());
+                let energy = stages.energy_at_end;
+                stages = Stages::begin(system, bodies, energy, saved, room, &mut ());
             } else {
                 inner = self.shorter(inner, fitting, (body, error), made)?;
             }
@@ -229,15 +231,25 @@ struct Stages<'a, N: Count, T: Scalar, const D: usize> {
     f: &'a mut [[T; D]],
     /// What does work at the stages, beside the change of U.
     power: [T; STAGES],
-    /// U at the start of the inner step, where it changes with time.
+    /// U at the start of the inner step, and at its end once it has arrived there, where U changes with time.
     energy: Option<T>,
+    energy_at_end: Option<T>,
 }
 
 impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
-    /// Begins where the bodies are, with the first stage.
+    /// U where the bodies are, if it changes with time.
+    fn energy_of<Y: System<T, D, Count = N>>(
+        (system, _): View<'_, Dop853, T, Y, D>,
+        bodies: &BodiesOf<Y, T, D>,
+    ) -> Option<T> {
+        system.effects().changes_with_time().then(|| system.potential_energy(bodies))
+    }
+
+    /// Begins where the bodies are, with this energy U if it changes with time, and with the first stage.
     fn begin<Y: System<T, D, Count = N>, W: Witness<T>>(
         system: View<'_, Dop853, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
+        energy: Option<T>,
         saved: &'a mut Saved<N, T, D>,
         room: &'a mut [[T; D]],
         witness: &mut W,
@@ -246,8 +258,7 @@ impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
         let (v, f) = room.split_at_mut(STAGES * n);
         bodies.save(saved);
         let power = [T::from_f64(0.0); STAGES];
-        let energy = system.0.effects().changes_with_time().then(|| system.0.potential_energy(bodies));
-        let mut stages = Self { n, start: saved, v, f, power, energy };
+        let mut stages = Self { n, start: saved, v, f, power, energy, energy_at_end: None };
         stages.rates(system, bodies, 0, witness);
         stages
     }
@@ -380,7 +391,9 @@ impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
         bodies.time = self.start.time + h;
         let landed = land(h, system, self.start, bodies)?;
         if let Some(before) = self.energy {
-            bodies.work = bodies.work + (system.0.potential_energy(bodies) - before);
+            let energy = system.0.potential_energy(bodies);
+            bodies.work = bodies.work + (energy - before);
+            self.energy_at_end = Some(energy);
         }
         Ok(landed)
     }
