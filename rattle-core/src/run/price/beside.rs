@@ -6,13 +6,14 @@ use crate::methods::composition::Composition;
 use crate::methods::dop853::Dop853;
 use crate::methods::lobatto::Lobatto;
 use crate::methods::rattle::Rattle;
+use crate::methods::taylor::Taylor;
 use crate::motion::bodies::Count;
 use crate::motion::guess::Extrapolated;
 use crate::motion::hold::{Hold, Kind};
 use crate::motion::state::State;
 use crate::run::ensemble::precision::{Compensated, Double, Single};
 use crate::run::ensemble::trajectories::Ensemble;
-use crate::run::price::candidate::{Candidate, Numbers};
+use crate::run::price::candidate::{Candidate, Numbers, TAYLOR};
 use crate::run::price::moving::{Moving, Rung};
 use crate::run::watch::seen::Seen;
 use crate::scene::Scene;
@@ -49,10 +50,10 @@ pub(super) fn ensemble<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: u
             scene.ensemble(starts, Composition::new(coefficients, h))
         }
         // What does not go side by side is not compiled.
-        (Candidate::Dop853, _) if const { !matches!(C::KIND, Kind::Phase) } => {
-            scene.ensemble(starts, Dop853::adaptive(h, tolerance))
-        }
-        _ if const { !on_surfaces::<C, D>() } => Err(Error::Price(PriceMistake::OneByOne)),
+        _ if const { matches!(C::KIND, Kind::Phase) } => Err(Error::Price(PriceMistake::OneByOne)),
+        (Candidate::Dop853, _) => scene.ensemble(starts, Dop853::adaptive(h, tolerance)),
+        (Candidate::Taylor, _) => scene.ensemble(starts, Taylor::adaptive(TAYLOR, h, tolerance)),
+        _ if const { matches!(C::KIND, Kind::Rigid) } => Err(Error::Price(PriceMistake::OneByOne)),
         (Candidate::Lobatto3, _) => scene.ensemble(starts, Lobatto::<3>::new(h).guess(Extrapolated)),
         (Candidate::Lobatto5, _) => scene.ensemble(starts, Lobatto::<5>::new(h).guess(Extrapolated)),
         (Candidate::Lobatto8, _) => scene.ensemble(starts, Lobatto::<8>::new(h).guess(Extrapolated)),

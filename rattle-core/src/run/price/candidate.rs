@@ -20,7 +20,7 @@ use crate::scene::Scene;
 use std::fmt;
 
 /// The order of Taylor's method where it is priced.
-const TAYLOR: u32 = 18;
+pub(super) const TAYLOR: u32 = 18;
 /// A step of a method with a tolerance may lead too far to be trusted where the pilot did not show it: in the whole run
 /// it is then made in parts, halved at most so often.
 pub(super) const HALVINGS: u32 = 6;
@@ -78,7 +78,7 @@ impl Candidate {
     ];
 
     /// Those that are priced side by side.
-    pub const LANES: [Self; 11] = [
+    pub const LANES: [Self; 12] = [
         Self::InLanes(&Self::Rattle, Numbers::Single),
         Self::InLanes(&Self::Rattle, Numbers::Double),
         Self::InLanes(&Self::Rattle, Numbers::Compensated),
@@ -90,6 +90,7 @@ impl Candidate {
         Self::InLanes(&Self::Lobatto5, Numbers::Double),
         Self::InLanes(&Self::Lobatto8, Numbers::Double),
         Self::InLanes(&Self::Dop853, Numbers::Double),
+        Self::InLanes(&Self::Taylor, Numbers::Double),
     ];
 
     /// Whether trajectories go side by side.
