@@ -6,7 +6,7 @@ use rattle::bodies::One;
 use rattle::effect::{Effects, LinearDrag};
 use rattle::error::PriceMistake;
 use rattle::prelude::*;
-use rattle::price::{Clock, Prices};
+use rattle::price::{Candidate, Clock, Prices};
 
 potential! {
     /// A weight that is shaken.
@@ -112,8 +112,8 @@ fn references_under_drag_know_what_they_are_off_by() {
             worst = worst.max((now.position() - exact.position()).norm());
         })
         .unwrap();
-        checked += usize::from(row.method == rattle::price::Candidate::Lobatto5);
-        if row.method == rattle::price::Candidate::Lobatto5 {
+        checked += usize::from(row.method == Candidate::Lobatto5);
+        if row.method == Candidate::Lobatto5 {
             assert!(worst < 1.1 * told, "told {told:e}, in truth {worst:e}: h = {}\n{prices:#}", row.h);
         }
     }
@@ -156,4 +156,42 @@ fn averages_of_what_grows_are_within_the_wish_beyond_the_pilot() {
         assert!(sum > 0.0 && off <= wish, "{duration}, {wish:e}: {told}, in truth {off:e}");
     }
     assert!(longer > 0);
+}
+
+constraint! {
+    /// A track with a narrow bump.
+    struct Track { a, w, at }
+    |x, z| z - a * exp(-((x - at) / w)^2)
+}
+
+/// A reference under drag is found where steps fail that are long enough elsewhere, or that are twice as long; and what
+/// it is off by is known.
+#[test]
+fn references_under_drag_are_found_where_longer_steps_fail() {
+    let mut checked = 0;
+    for w in [0.0194, 0.0119] {
+        let surface = Counted::new(Track { a: 0.3 * w, w, at: 3.0 });
+        let counts = surface.counts();
+        let clock = Clock::of(move || 1e-6 * counts.all() as f64);
+        let scene = Scene::on(surface).with(LinearDrag::new(1e-2));
+        let start = scene.project(&State::at([0.0, 0.0]).moving([1.0, 0.0])).unwrap();
+        let prices = scene.price(&start, 5.0).budget(0.15).clock(clock).measure();
+        let prices = prices.unwrap_or_else(|error| panic!("{w}: {error}"));
+        println!("{w}: {prices:#}");
+        for row in prices.rows.iter().filter(|row| row.method == Candidate::Rattle) {
+            let parts = (row.h / 2e-4).ceil();
+            let mut own = scene.simulate(start.clone(), Rattle::new(row.h)).unwrap();
+            let mut exact = scene.simulate(start.clone(), Lobatto::<3>::new(row.h / parts)).unwrap();
+            let mut worst = 0.0_f64;
+            own.run_with(row.steps, |now| {
+                exact.run(parts as u64).unwrap();
+                worst = worst.max((now.position() - exact.position()).norm());
+            })
+            .unwrap();
+            let told = row.position.unwrap();
+            assert!(worst < 1.1 * told, "{w}: told {told:e}, in truth {worst:e}: h = {}", row.h);
+            checked += 1;
+        }
+    }
+    assert!(checked > 2, "{checked}");
 }

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::methods::composition::{KAHAN_LI_1997_ORDER_8, SOFRONIOU_SPALETTA_2005_ORDER_10};
-use crate::run::price::candidate::Candidate;
+use crate::run::price::candidate::{Candidate, HALVINGS};
 use crate::run::price::ladder::{Path, Pilot, Runner, Stop, distances, energies_apart, larger};
 use crate::run::price::moving::Rung;
 use std::iter::zip;
@@ -151,9 +151,9 @@ impl Reference {
         let mut energy_error = energies(&found[j].path, &found[i].path);
         let second = found[i].rung.candidate;
         if runner.scene.flows() {
-            let (twice, part) = longer(runner, pilot, &found[j])?;
-            error = larger(error, part * most(pilot.told(&distances(&found[j].path, &twice, dimension))));
-            energy_error = larger(energy_error, part * energies(&found[j].path, &twice));
+            let (other, part) = other(runner, pilot, &found[j])?;
+            error = larger(error, part * most(pilot.told(&distances(&found[j].path, &other, dimension))));
+            energy_error = larger(energy_error, part * energies(&found[j].path, &other));
         }
         let Finest { path, steps, rung } = found.swap_remove(j);
         let at_start = vec![start(runner, pilot)?; path.positions.len()];
@@ -247,7 +247,7 @@ struct Finest {
 }
 
 /// The path of a method at its most exact: with steps halved for as long as that makes the path come nearer to the
-/// other, or to the one before.
+/// other, or to the one before; and first until none of them fails.
 fn finest(
     runner: &Runner<'_>,
     pilot: &Pilot,
@@ -260,11 +260,18 @@ fn finest(
     }
     let dimension = runner.scene.dimension();
     let mut best: Option<Finest> = None;
-    let mut before = f64::INFINITY;
+    let (mut before, mut halvings) = (f64::INFINITY, 0);
+    let mut failed = None;
     loop {
         let path = match runner.path(pilot, steps, rung) {
             Ok(path) => path,
-            Err(stop) => return best.ok_or(stop),
+            Err(Stop::Failed(error @ Error::Step { .. })) if best.is_none() && halvings < HALVINGS => {
+                (failed, halvings) = (Some(error), halvings + 1);
+                (steps, rung.h) = (2 * steps, 0.5 * rung.h);
+                continue;
+            }
+            // What failed tells more than that there was no time for shorter steps.
+            Err(stop) => return best.ok_or(failed.map_or(stop, Stop::Failed)),
         };
         let Some(last) = &best else {
             best = Some(Finest { path, steps, rung });
@@ -285,16 +292,22 @@ fn finest(
     }
 }
 
-/// A path with steps that are some times as long, and the part of its distance that the errors of the second order make
-/// of the shorter ones: with twice the step a third. An odd number of steps is compared with twice as many.
-fn longer(runner: &Runner<'_>, pilot: &Pilot, of: &Finest) -> Result<(Path, f64), Stop> {
-    let even = of.steps.is_multiple_of(2);
-    let (steps, times, part) =
-        if even { (of.steps / 2, 2.0, 1.0 / 3.0) } else { (2 * of.steps, 0.5, 4.0 / 3.0) };
+/// A path with steps of another size, and the part of its distance that the errors of the second order make of the path
+/// itself: a third with steps twice as long. An odd number of steps, and one of which half as many fail, is compared
+/// with twice as many.
+fn other(runner: &Runner<'_>, pilot: &Pilot, of: &Finest) -> Result<(Path, f64), Stop> {
     // However little time is left: what nobody knows the error of is no reference.
-    let deadline = runner.deadline.max(runner.clock.now() + 4.0 * of.path.seconds);
-    let runner = Runner { deadline, ..*runner };
-    Ok((runner.path(pilot, steps, Rung { h: times * of.rung.h, ..of.rung })?, part))
+    let path = |steps: u64, times: f64| {
+        let deadline = runner.deadline.max(runner.clock.now() + 4.0 * of.path.seconds);
+        let runner = Runner { deadline, ..*runner };
+        runner.path(pilot, steps, Rung { h: times * of.rung.h, ..of.rung })
+    };
+    let longer = of.steps.is_multiple_of(2).then(|| path(of.steps / 2, 2.0));
+    match longer {
+        Some(Ok(path)) => Ok((path, 1.0 / 3.0)),
+        Some(Err(Stop::Late)) => Err(Stop::Late),
+        Some(Err(Stop::Failed(_))) | None => Ok((path(2 * of.steps, 0.5)?, 4.0 / 3.0)),
+    }
 }
 
 /// Whether two paths differ by rounding alone, or by little more.
