@@ -1,9 +1,9 @@
 //! Wishes where something does work, and for averages of what grows, by a clock that counts evaluations.
 
-use super::priced::{NONE, Several};
+use super::priced::{NONE, Several, double_pendulum};
 use rattle::Error;
 use rattle::bodies::One;
-use rattle::effect::{Effects, LinearDrag};
+use rattle::effect::{Effects, LinearDrag, MagneticField};
 use rattle::error::PriceMistake;
 use rattle::prelude::*;
 use rattle::price::{Candidate, Clock, Prices};
@@ -156,6 +156,28 @@ fn averages_of_what_grows_are_within_the_wish_beyond_the_pilot() {
         assert!(sum > 0.0 && off <= wish, "{duration}, {wish:e}: {told}, in truth {off:e}");
     }
     assert!(longer > 0);
+}
+
+/// A magnetic field does no work: in chaos too the energy is told, by what it changes by.
+#[test]
+fn a_magnetic_field_does_no_work() {
+    let chaotic = double_pendulum(160.0);
+    let clock = chaotic.clock();
+    let (scene, wish) = (chaotic.scene.with(MagneticField::new([0.0, 0.0, 0.3])), 1e-3);
+    let asked = scene.within(wish).in_energy().budget(4.0).clock(clock);
+    let mut planned = asked.simulate(&chaotic.start, chaotic.duration).unwrap();
+    let prices = &planned.prices;
+    assert!(prices.predictable.is_some_and(|time| time < chaotic.duration), "{prices}");
+    assert!(prices.reference_energy_error.is_none());
+    let (told, mut worst) = (planned.to_string(), 0.0_f64);
+    planned.simulation.run_with(planned.steps, |now| worst = worst.max(now.energy_error().abs())).unwrap();
+    assert!(worst > 0.0 && worst <= 1.03 * wish, "{told}, in truth {worst:e}");
+
+    // Drag does, beside a field too.
+    let (surface, clock) = sphere();
+    let scene = Scene::on(surface).with(LinearDrag::new(0.3)).with(MagneticField::new([0.0, 0.0, 0.3]));
+    let prices = scene.price(&start(), 2.0).budget(1.0).clock(clock).measure().unwrap();
+    assert!(prices.reference_energy_error.is_some(), "{prices}");
 }
 
 constraint! {

@@ -68,6 +68,10 @@ pub trait Flow<const D: usize>: Clone + Send + Sync + 'static {
     /// Whether the flow uses [`Interval::rates`] and [`Interval::holding`], which take an evaluation of the
     /// multipliers.
     const FEELS_FORCES: bool = false;
+    /// Whether the flow does work. Where no flow of a scene does, and nothing changes with time, motion keeps the
+    /// energy, and what it changes by is an error (see [`Price::energy`](crate::run::price::Price::energy)). Steps may
+    /// change the kinetic energy by rounding alone then, also where the flow is made tangent to constraints.
+    const WORKS: bool = true;
 
     /// Writes the change Φₕ(p; q, t) − p of the momentum of every body in a time h, in the unit of momentum. (A change
     /// has smaller rounding errors than a new momentum.) Parts that would move a pinned body, or violate the
@@ -141,6 +145,7 @@ impl<F: Flow<D>, const D: usize> Effect<D, Flowing> for F {
 impl<T: Real, F: Flow<D>, const D: usize> Acting<T, D> for ActsByFlow<F> {
     type Room = ();
     const FLOWS: bool = true;
+    const WORKS: bool = F::WORKS;
     fn room(&self, _: usize) {}
 
     fn changes_with_time(&self) -> bool {

@@ -46,6 +46,8 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     type Room: Clone + Debug + Send + Sync + 'static;
     /// The number of effects that are [flows](crate::effect::Flow) of momenta.
     const FLOWS: usize;
+    /// Whether one of the flows does [work](crate::effect::Flow::WORKS).
+    const WORKS: bool;
     /// The number of effects.
     const EFFECTS: usize;
     /// Whether one of the effects has a [memory](Acting::REMEMBERS).
@@ -188,6 +190,7 @@ impl<T: Real, const D: usize> Forces<T, D> for () {
     type Force = Absent;
     type Room = ();
     const FLOWS: usize = 0;
+    const WORKS: bool = false;
     const EFFECTS: usize = 0;
     const REMEMBERS: bool = false;
     const PUSHES: bool = true;
@@ -264,6 +267,7 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     type Force = [T; D];
     type Room = (F::Room, A::Room);
     const FLOWS: usize = F::FLOWS + A::FLOWS as usize;
+    const WORKS: bool = F::WORKS || (A::FLOWS && A::WORKS);
     const EFFECTS: usize = F::EFFECTS + 1;
     const REMEMBERS: bool = F::REMEMBERS || A::REMEMBERS;
     const LOOKS: bool = F::LOOKS || A::LOOKS;

@@ -90,6 +90,8 @@ impl MagneticField {
 }
 
 impl Flow<3> for MagneticField {
+    const WORKS: bool = false;
+
     fn flow<T: Real>(&self, during: &Interval<'_, T, 3>, changes: &mut [[T; 3]]) {
         for (body, (change, p)) in changes.iter_mut().zip(during.momenta).enumerate() {
             *change = self.in_space(during.h, during.inertia, body, p);
@@ -106,6 +108,8 @@ impl Flow<3> for MagneticField {
 }
 
 impl Flow<2> for MagneticField {
+    const WORKS: bool = false;
+
     fn flow<T: Real>(&self, during: &Interval<'_, T, 2>, changes: &mut [[T; 2]]) {
         for (body, (change, p)) in changes.iter_mut().zip(during.momenta).enumerate() {
             *change = self.in_plane(during.h, during.inertia, body, p);

@@ -68,6 +68,8 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     type Room: Clone + Debug + Send + Sync + 'static;
     /// Whether the effect is a [`Flow`](crate::effect::Flow) of momenta.
     const FLOWS: bool = false;
+    /// Whether the effect, a flow, does work, as [`Flow::WORKS`](crate::effect::Flow::WORKS).
+    const WORKS: bool = true;
     /// Working memory for `bodies` bodies. Everything must be allocated here.
     fn room(&self, bodies: usize) -> Self::Room;
 

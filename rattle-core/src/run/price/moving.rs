@@ -23,8 +23,8 @@ pub(super) trait Movable {
     fn dimension(&self) -> usize;
     /// Whether flows act on momenta.
     fn flows(&self) -> bool;
-    /// Whether something does work: flows, or what moves or acts with time. The energy beside the work done then says
-    /// nothing of the energy, since errors of the two cancel.
+    /// Whether something does work: [flows that do](crate::effect::Flow::WORKS), or what moves or acts with time. The
+    /// energy beside the work done then says nothing of the energy, since errors of the two cancel.
     fn works(&self) -> bool;
     /// How many trajectories go side by side; 0 where none are priced.
     fn trajectories(&self) -> usize;

@@ -18,7 +18,7 @@ pub struct Prices {
     /// The largest distance between the two reference motions, a length: smaller errors of position cannot be measured.
     pub reference_error: f64,
     /// The largest difference of energy between the two reference motions, where forces or constraints change with time
-    /// or flows act on momenta: smaller errors of the energy cannot be measured. `None` where the exact motion keeps
+    /// or flows do work: smaller errors of the energy cannot be measured. `None` where the exact motion keeps
     /// the energy.
     pub reference_energy_error: Option<f64>,
     /// The size to which a rounding error in the start grows on the pilot interval, a length.
@@ -128,7 +128,7 @@ pub struct Price {
     pub position: Option<f64>,
     /// The largest error of the energy after any step, or after every n-th where steps are much shorter than
     /// the longest that RATTLE can take; in its unit. It is the change of the energy or, where forces or constraints
-    /// change with time or flows act on momenta, how far the energy is off that of the reference. Beyond
+    /// change with time or flows do work, how far the energy is off that of the reference. Beyond
     /// [`positions_until`](Prices::positions_until) the latter cannot be told, and the change beside the work done
     /// counts.
     pub energy: f64,

@@ -183,7 +183,7 @@ pub(super) fn priced<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     let system = scene.ready(start, &Rattle::new(duration))?;
     match random(&system) {
         Some(effect) => Err(Error::Price(PriceMistake::Random { effect })),
-        None => Ok(E::Forces::<f64>::FLOWS > 0 || system.moves_with_time()),
+        None => Ok(E::Forces::<f64>::WORKS || system.moves_with_time()),
     }
 }
 

@@ -73,7 +73,7 @@ pub struct Within<'a, C, E, N, const D: usize> {
 
 impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N, D> {
     /// Limits the error of the energy instead, in its unit, after each step: what it has changed by or, where forces or
-    /// constraints change with time or flows act on momenta, how far it is off that of the exact motion; measured as
+    /// constraints change with time or flows do work, how far it is off that of the exact motion; measured as
     /// above.
     pub fn in_energy(mut self) -> Self {
         self.what = Quantity::Energy;
