@@ -217,3 +217,21 @@ fn references_under_drag_are_found_where_longer_steps_fail() {
     }
     assert!(checked > 2, "{checked}");
 }
+
+/// An average may be exact to the last bit though states are off: that is no error that grows without end.
+#[test]
+fn averages_that_are_exact_are_taken() {
+    let surface = Counted::new(Several { sphere: 1.0, ..NONE });
+    let counts = surface.counts();
+    let clock = Clock::of(move || 1e-6 * counts.all() as f64);
+    let scene = Scene::on(surface);
+    let radius = |now: &BoxedSimulation<3>| now.positions().next().unwrap().norm();
+    let duration = 1e4;
+    let asked = scene.within(1e-9).in_average("radius", radius).budget(0.3).clock(clock);
+    let planned = asked.simulate(&start(), duration).unwrap();
+    let rows = || planned.prices.rows.iter();
+    let exact = rows().filter(|row| row.averages[0] == 0.0 && row.drifts[0][0] > 0.0).count();
+    assert!(exact > 0 && planned.prices.pilot < 0.5 * duration, "{exact}, {:#}", planned.prices);
+    let least = rows().map(|row| row.seconds).fold(f64::INFINITY, f64::min) * duration;
+    assert!(planned.seconds <= least, "{planned}, {least}\n{:#}", planned.prices);
+}

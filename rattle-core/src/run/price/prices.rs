@@ -80,24 +80,45 @@ impl Longer {
                 Quantity::Energy => times.powf(energy.clamp(0.0, 1.0)),
                 // Of chaotic motion, averages are what statistics make them.
                 Quantity::Average(_) if !self.told || self.lyapunov_time.is_some() => 1.0,
-                Quantity::Average(number) => self.of_average(price, number, times),
+                // Of an error that is exactly 0 no factor tells what it grows to.
+                Quantity::Average(number) => match price.error(what) {
+                    Some(error) if error > 0.0 => 1.0 + self.strays(price, number) / error,
+                    _ => 1.0,
+                },
             }
+    }
+
+    /// The error of a row at the end of the whole run, at most, if it can be told.
+    pub(super) fn at_end(self, price: &Price, what: Quantity) -> Option<f64> {
+        match (what, price.error(what)?) {
+            (Quantity::Average(number), 0.0) => Some(UNSTEADY * self.strays(price, number)),
+            (_, error) => Some(error * self.grown(price, what)),
+        }
+    }
+
+    /// What an average is off by at the end of the whole run beyond what it is on the pilot: nothing by the rule that
+    /// takes it, and as much as states that are off go [astray](astray). Nothing where motion is chaotic: averages are
+    /// what statistics make them then.
+    fn strays(self, price: &Price, number: usize) -> f64 {
+        let times = self.duration / self.pilot;
+        match price.drifts.get(number) {
+            Some(&[off, exponent]) if times > 1.0 && self.told && self.lyapunov_time.is_none() => {
+                (off * (times.powf(astray(price, exponent)) - 1.0)).max(0.0)
+            }
+            _ => 0.0,
+        }
     }
 }
 
-impl Longer {
-    /// The same of an average: what the rule that takes it is off by does not grow. What it is off by as the states are
-    /// grows as it did on the pilot, and no slower than time, since a short pilot does not tell a trend from a swing;
-    /// by methods that are not symplectic no slower than its square, as the energy drifts.
-    fn of_average(self, price: &Price, number: usize, times: f64) -> f64 {
-        let (Some(&[off, exponent]), Some(&error)) = (price.drifts.get(number), price.averages.get(number))
-        else {
-            return 1.0;
-        };
-        let least = if price.method.is_adaptive() { 2.0 } else { 1.0 };
-        let more = off * (times.powf(exponent.clamp(least, 2.0)) - 1.0);
-        if more > 0.0 { 1.0 + more / error } else { 1.0 }
-    }
+/// The exponent with which states go astray beyond the pilot, with this one on it: no slower than time, since a short
+/// pilot does not tell a trend from a swing; by methods that are not symplectic no slower than its square, as the
+/// energy drifts.
+fn astray(price: &Price, exponent: f64) -> f64 {
+    exponent.clamp(least(price), 2.0)
+}
+
+fn least(price: &Price) -> f64 {
+    if price.method.is_adaptive() { 2.0 } else { 1.0 }
 }
 
 /// The time average of an observable over the pilot interval.
@@ -284,11 +305,10 @@ impl Prices {
         self.positions_until > 0.999_999 * self.pilot
     }
 
-    /// By what factor an error on the pilot interval is larger at the end of the whole run, at most.
-    pub(super) fn grown(&self, price: &Price, what: Quantity) -> f64 {
+    /// The run that was asked about.
+    pub(super) fn longer(&self) -> Longer {
         let Self { duration, pilot, lyapunov_time, reference_energy_error: off, .. } = *self;
-        let (told, works) = (self.tells_positions(), off.is_some());
-        Longer { duration, pilot, lyapunov_time, told, works }.grown(price, what)
+        Longer { duration, pilot, lyapunov_time, told: self.tells_positions(), works: off.is_some() }
     }
 
     /// Marks the rows that nothing cheaper is as exact as: one by one, and in lanes.

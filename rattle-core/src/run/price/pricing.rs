@@ -228,15 +228,14 @@ impl Climb<'_> {
         let Some(((aim, longer), row)) = self.aim.zip(row).filter(|_| self.is_for_average()) else {
             return FINER;
         };
-        let error = row.error(aim.what).unwrap_or(0.0) * longer.grown(row, aim.what);
+        let error = longer.at_end(row, aim.what).unwrap_or(0.0);
         let finer = AMPLY * (error / aim.error).sqrt();
         if finer.is_nan() { FINER } else { finer.clamp(FINER, FARTHEST) }
     }
 
     fn is_enough(&self, row: &Price) -> bool {
-        self.aim.is_some_and(|(aim, longer)| {
-            row.error(aim.what).is_some_and(|error| error * longer.grown(row, aim.what) <= aim.error)
-        })
+        self.aim
+            .is_some_and(|(aim, longer)| longer.at_end(row, aim.what).is_some_and(|error| error <= aim.error))
     }
 }
 

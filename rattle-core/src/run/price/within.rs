@@ -8,7 +8,7 @@ use crate::motion::state::State;
 use crate::run::boxed::BoxedSimulation;
 use crate::run::price::candidate::{Candidate, HALVINGS};
 use crate::run::price::clock::Clock;
-use crate::run::price::ladder::Runner;
+use crate::run::price::ladder::{Runner, larger};
 use crate::run::price::moving::{Movable, Rung};
 use crate::run::price::prices::{Offer, Price, Prices, Quantity, interpolate};
 use crate::run::price::pricing::{Aim, Allowance, Measured, measure, positive, price, priced};
@@ -267,8 +267,9 @@ fn choose(
     let mut offers: Vec<(Candidate, Offer)> = Vec::new();
     for method in Candidate::ALL {
         let rows = prices.of(method);
-        let offer =
-            rows.last().and_then(|last| interpolate(&rows, what, AIM * wish / prices.grown(last, what)));
+        let offer = rows
+            .last()
+            .and_then(|last| interpolate(&rows, what, AIM * wish / prices.longer().grown(last, what)));
         offers.extend(offer.map(|offer| (method, offer)));
     }
     offers.sort_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds));
@@ -294,14 +295,15 @@ fn choose(
 /// The error of a row at the end of the run, as far as another method confirms it: by itself the reference's own method
 /// is as good as it converges, though it may converge to something else.
 fn confirmed(prices: &Prices, row: &Price, what: Quantity) -> Option<f64> {
-    let error = row.error(what)?;
+    let longer = prices.longer();
     let known = match what {
         _ if row.method != prices.reference[0] => 0.0,
         Quantity::Position => prices.reference_error,
         Quantity::Energy => prices.reference_energy_error.unwrap_or(0.0),
         Quantity::Average(_) => 0.0,
     };
-    Some(error.max(known) * prices.grown(row, what))
+    let known = if known > 0.0 { known * longer.grown(row, what) } else { 0.0 };
+    Some(larger(longer.at_end(row, what)?, known))
 }
 
 /// The cheapest row that meets the wish, which any other must beat.
