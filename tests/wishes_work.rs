@@ -1,6 +1,6 @@
 //! Wishes where something does work, and for averages of what grows, by a clock that counts evaluations.
 
-use super::priced::{NONE, Several, double_pendulum};
+use super::priced::{Counting, FREE, Forces, NONE, OnSurface, Several, double_pendulum, generated, on};
 use rattle::Error;
 use rattle::bodies::One;
 use rattle::effect::{Effects, LinearDrag, MagneticField};
@@ -234,4 +234,53 @@ fn averages_that_are_exact_are_taken() {
     assert!(exact > 0 && planned.prices.pilot < 0.5 * duration, "{exact}, {:#}", planned.prices);
     let least = rows().map(|row| row.seconds).fold(f64::INFINITY, f64::min) * duration;
     assert!(planned.seconds <= least, "{planned}, {least}\n{:#}", planned.prices);
+}
+
+/// Released from an angle, with a push sideways.
+fn released(angle: f64, duration: f64) -> OnSurface {
+    let (sin, cos) = angle.sin_cos();
+    let start = State::at([2.0 * sin, 0.0, -2.0 * cos]).moving([0.0, 0.3, 0.0]);
+    on("pendulum", Several { sphere: 1.0, ..NONE }, Forces { g: 2.0, ..FREE }, start, duration)
+}
+
+fn rough(seed: u64, duration: f64) -> OnSurface {
+    Counting { duration, ..generated(seed) }
+}
+
+/// By methods with a tolerance positions go astray with the square of time, though a short pilot does not show it.
+#[test]
+fn positions_by_methods_with_a_tolerance_are_within_the_wish_beyond_the_pilot() {
+    for (scene, wish, budget) in
+        [(released(2.8, 500.0), 1e-4, 0.3), (rough(0, 100.0), 1e-6, 0.1), (rough(1, 100.0), 1e-2, 0.3)]
+    {
+        let mut planned = scene.within(wish, budget).unwrap();
+        let told = planned.to_string();
+        let exact = Dop853::adaptive(planned.h, 1e-13);
+        let mut exact = scene.scene.simulate(scene.start.clone(), exact).unwrap().retry(6);
+        let mut farthest = 0.0_f64;
+        let look = |now: &BoxedSimulation<3>| {
+            exact.step().unwrap();
+            let off = (now.positions().next().unwrap() - exact.position()).norm();
+            farthest = if off <= farthest { farthest } else { off };
+        };
+        planned.simulation.run_with(planned.steps, look).unwrap();
+        assert!(farthest > 0.0 && farthest <= wish, "{}: {told}, in truth {farthest:e}", scene.name);
+        assert!(planned.prices.pilot < 0.1 * scene.duration && told.contains(", as the first "), "{told}");
+    }
+}
+
+/// Their energy drifts with time.
+#[test]
+fn energies_by_methods_with_a_tolerance_are_within_the_wish_beyond_the_pilot() {
+    for (scene, wish, budget) in
+        [(released(1.5, 1000.0), 1e-8, 1.0), (rough(0, 1000.0), 1e-6, 0.3), (rough(3, 1000.0), 1e-6, 1.0)]
+    {
+        let asked = scene.scene.within(wish).in_energy().budget(budget).clock(scene.clock());
+        let mut planned = asked.simulate(&scene.start, scene.duration).unwrap();
+        let (told, mut worst) = (planned.to_string(), 0.0_f64);
+        let look = |now: &BoxedSimulation<3>| worst = worst.max(now.energy_error().abs());
+        planned.simulation.run_with(planned.steps, look).unwrap();
+        assert!(worst > 0.0 && worst <= wish, "{}: {told}, in truth {worst:e}", scene.name);
+        assert!(planned.prices.pilot < 0.1 * scene.duration, "{told}");
+    }
 }

@@ -71,13 +71,14 @@ impl Longer {
         // The energy of what works is as exact as the motion is.
         let of_motion = |exponent: f64| match self.lyapunov_time {
             Some(time) => ((self.duration - self.pilot) / time).exp(),
-            None => times.powf(exponent.clamp(1.0, 2.0)),
+            None => times.powf(astray(price, exponent)),
         };
         UNSTEADY
             * match what {
                 Quantity::Position => of_motion(position),
                 Quantity::Energy if self.works => of_motion(energy),
-                Quantity::Energy => times.powf(energy.clamp(0.0, 1.0)),
+                // By methods that are not symplectic it drifts.
+                Quantity::Energy => times.powf(energy.clamp(least(price) - 1.0, 1.0)),
                 // Of chaotic motion, averages are what statistics make them.
                 Quantity::Average(_) if !self.told || self.lyapunov_time.is_some() => 1.0,
                 // Of an error that is exactly 0 no factor tells what it grows to.

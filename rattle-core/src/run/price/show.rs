@@ -141,7 +141,7 @@ impl Prices {
 }
 
 /// With so many decimals, or by a power of ten where they would hide the number or be lost behind it.
-fn figure(x: f64, decimals: usize) -> String {
+pub(super) fn figure(x: f64, decimals: usize) -> String {
     if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
         format!("{x:.decimals$}")
     } else {

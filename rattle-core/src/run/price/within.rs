@@ -13,6 +13,7 @@ use crate::run::price::moving::{Movable, Rung};
 use crate::run::price::prices::{Offer, Price, Prices, Quantity, interpolate};
 use crate::run::price::pricing::{Aim, Allowance, Measured, measure, positive, price, priced};
 use crate::run::price::set::{Observed, Set};
+use crate::run::price::show::figure;
 #[cfg(doc)]
 use crate::run::watch::mean::Mean;
 use crate::scene::Scene;
@@ -170,7 +171,9 @@ pub struct Planned<const D: usize> {
     /// Steps of the whole run.
     pub steps: u64,
     /// The expected error of the whole run: measured on the pilot interval, extrapolated to the whole run if that is
-    /// longer, and then doubled, since errors do not grow steadily.
+    /// longer, and then doubled, since errors do not grow steadily. A pilot that does not show what the motion goes
+    /// through, by being shorter than a period, tells little of the rest: errors may be many times as large, and
+    /// [`Prices::pilot`] says how long it was. A larger [budget](Within::budget) makes it longer.
     pub error: f64,
     /// Expected seconds of the whole run, on one core.
     pub seconds: f64,
@@ -217,7 +220,13 @@ impl<const D: usize> fmt::Display for Planned<D> {
             self.seconds,
             100.0 * self.spread,
             self.error
-        )
+        )?;
+        let Prices { pilot, duration, .. } = self.prices;
+        if pilot < duration {
+            let [pilot, duration] = [pilot, duration].map(|time| figure(time, 3));
+            write!(f, ", as the first {pilot} of {duration} units of time let expect")?;
+        }
+        Ok(())
     }
 }
 
