@@ -183,3 +183,21 @@ fn long_steps_on_a_sphere_are_reversible() {
         assert!(off.abs() < 1e-12, "{strength}: {off:e}");
     }
 }
+
+/// A heavy body that nothing joins to others takes no digit from what a magnetic field does to these.
+#[test]
+fn light_bodies_beside_a_heavy_one() {
+    let scene = Scene::points(3)
+        .link(rattle::links::Rod { length: 1.0 }, [[0, 1]])
+        .masses([1.0, 1.0, 1e15])
+        .with(MagneticField::new([0.0, 0.0, 2.0]));
+    let end = |far: f64| {
+        let start = State::of([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [9.0, 0.0, 0.0]]);
+        let start = start.with_momenta([[0.3, 0.5, 0.2], [0.3, -0.4, 0.1], [far, 0.0, 0.0]]);
+        let mut run = scene.simulate(start, Rattle::new(0.1)).unwrap();
+        run.run(50).unwrap();
+        run.positions().take(2).collect::<Vec<_>>()
+    };
+    let off = end(0.0).iter().zip(end(1e15)).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    assert!(off < 1e-13, "{off:e}");
+}

@@ -468,3 +468,48 @@ fn averages_over_time_go_to_an_impact_and_from_there() {
         assert!((mean.mean() - exact).abs() < 1e-14, "{} for {exact}", mean.mean());
     }
 }
+
+/// So it is with several impacts between two sights, and within one step.
+#[test]
+fn averages_over_time_go_from_impact_to_impact() {
+    constraint! {
+        struct Right {}
+        |x| 1 - x
+    }
+    // 20 steps are a period from wall to wall; in a step of 0.8 some meet both walls.
+    for (h, steps, every) in [(0.1, 20, 20), (0.1, 60, 7), (0.8, 10, 1)] {
+        let run = Scene::point().simulate(State::at([0.5]).moving([1.7]), Rattle::new(h)).unwrap();
+        let mut run = run.collide(Stop::above(Left {})).unwrap().collide(Stop::above(Right {})).unwrap();
+        let mut mean = Mean::over_time(|now: &Sight<'_, 1>| now.momenta[0].x);
+        run.observe(steps, every, &mut mean).unwrap();
+        let seen = h * (steps - steps % every) as f64;
+        let place = (0.5 + 1.7 * seen).rem_euclid(2.0);
+        let exact = (if place > 1.0 { 2.0 - place } else { place } - 0.5) / seen;
+        assert!(run.events() > 1);
+        assert!((mean.mean() - exact).abs() < 1e-13, "{h} {every}: {} for {exact}", mean.mean());
+    }
+}
+
+/// A force that changes with time and is zero takes no digits from an impact of a heavy body, nor makes work.
+#[test]
+fn impacts_under_forces_of_time_are_as_those_without() {
+    constraint! {
+        struct Wall {}
+        |x, y| 0.6 * x + 0.8 * y
+    }
+    potential! {
+        struct Field { a }
+        |x, _y, t| -a * cos(t) * x
+    }
+    let scene = Scene::point().mass(1e15);
+    let start = || State::at([1.0, 1.0]).moving([-0.723e15, -0.7223e15]);
+    let mut plain = scene.clone().simulate(start(), Rattle::new(0.01)).unwrap();
+    plain = plain.collide(Stop::above(Wall {})).unwrap();
+    let mut field = scene.with(Field { a: 0.0 }).simulate(start(), Rattle::new(0.01)).unwrap();
+    field = field.collide(Stop::above(Wall {})).unwrap();
+    plain.run(200).unwrap();
+    field.run(200).unwrap();
+    assert_eq!((plain.events(), field.events(), field.work()), (1, 1, 0.0));
+    let off = (plain.momentum() - field.momentum()).norm() / plain.momentum().norm();
+    assert!(off < 1e-15, "{off:e}");
+}

@@ -1,6 +1,9 @@
 //! Where curvature jumps and the normal does not, there is no kink, however far a step goes.
 
+use rattle::bodies::One;
+use rattle::effect::Effects;
 use rattle::prelude::*;
+use rattle::scene::Hold;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 constraint! {
@@ -77,26 +80,26 @@ potential! {
 potential! {
     /// Its force has a slope without end at the edge.
     struct Steep { k }
-    |_x, y| k * max(y, 0)^2.4
+    |_x, y| if y > 0 { k * y^2.4 } else { 0 }
 }
 
 /// In the second coordinate, at rest, far from the origin, in single precision, and where high rates of forces are
 /// infinite at the edge.
 #[test]
 fn starts_on_edges_of_all_kinds() {
-    fn error<E: rattle::effect::Effects<2>>(effect: E, [y, vy]: [f64; 2], h: f64) -> f64 {
+    fn error<C: Hold<2>, E: Effects<2>>(scene: Scene<C, E, One, 2>, [y, vy]: [f64; 2], h: f64) -> f64 {
         let start = State::at([0.0, y]).moving([1.0, vy]);
-        let mut run = Scene::point().with(effect).simulate(start, Taylor::adaptive(14, h, 1e-11)).unwrap();
-        run.run((4.0 / h) as u64).unwrap();
-        assert!((run.position().x - 4.0).abs() < 1e-9);
+        let mut run = scene.simulate(start, Taylor::adaptive(14, h, 1e-11)).unwrap();
+        run.run((4.0 / h.abs()) as u64).unwrap();
+        assert!((run.position().x - 4.0 * h.signum()).abs() < 1e-9);
         run.energy_error().abs()
     }
     let found = [
-        error(Upper { k: 4.0, edge: 0.0, g: 0.0 }, [0.0, 1.0], 0.25),
-        error(Upper { k: 4.0, edge: 0.0, g: 0.5 }, [0.0, 0.0], 0.25),
-        error(Upper { k: 4.0, edge: 0.0, g: 0.5 }, [0.0, 0.0], -0.25),
-        error(Upper { k: 4.0, edge: 1000.0, g: 0.0 }, [1000.0, 1.0], 1e-4),
-        error(Steep { k: 2.0 }, [0.0, 1.0], 0.25),
+        error(Scene::point().with(Upper { k: 4.0, edge: 0.0, g: 0.0 }), [0.0, 1.0], 0.25),
+        error(Scene::point().with(Upper { k: 4.0, edge: 0.0, g: 0.5 }), [0.0, 0.0], 0.25),
+        error(Scene::point().with(Upper { k: 4.0, edge: 0.0, g: 0.5 }), [0.0, 0.0], -0.25),
+        error(Scene::point().with(Upper { k: 4.0, edge: 1000.0, g: 0.0 }), [1000.0, 1.0], 1e-4),
+        error(Scene::point().with(Steep { k: 2.0 }), [0.0, 1.0], 0.25),
     ];
     println!("{found:?}");
     assert!(found.iter().all(|&error| error < 1e-9), "{found:?}");
@@ -114,7 +117,7 @@ fn starts_on_edges_of_all_kinds() {
 potential! {
     /// No number where y is in a narrow band.
     struct Band {}
-    |x, y| x + if y > 0.5 && y < 0.52 { sqrt(-1 - y^2) } else { 0 }
+    |x, y| x + if y > 0.45 && y < 0.5 { sqrt(-1 - y^2) } else { 0 }
 }
 
 /// A force that is no number in one component alone, inside of an inner step.
@@ -125,5 +128,5 @@ fn forces_that_are_no_numbers_are_met_inside() {
     let mut run = Scene::point().with(Band {}).simulate(start, method).unwrap();
     let error = run.run(1).unwrap_err();
     println!("{error}");
-    assert!(run.position().y < 0.52, "{error}");
+    assert!(run.position().y < 0.5, "{error}");
 }

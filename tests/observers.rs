@@ -529,3 +529,28 @@ fn means_know_what_they_are_off_by() {
     { short }.observe(1023, 1, &mut few).unwrap();
     assert!(few.uncertainty().is_nan(), "too few");
 }
+
+/// Sections by methods whose momenta are of another time, or of none: where the path is straight, or a parabola, they
+/// are exact.
+#[test]
+fn sections_by_methods_whose_momenta_are_beside_the_time() {
+    let pull = || Scene::point().with(rattle::potentials::ConstantForce { force: [1.0, 0.0, 0.0] });
+    let height = |now: &Sight<'_, 3>| now.position().x;
+    let start = State::at([-0.0885, 0.0, 0.0]);
+    let mut creeping = pull().simulate(start.clone(), Brownian::new(1.0, 0.0, 1, 0.1)).unwrap();
+    let mut section = Section::of(height);
+    creeping.observe(1, 1, &mut section).unwrap();
+    let mut lanes = pull().ensemble([start], Brownian::new(1.0, 0.0, 1, 0.1)).unwrap();
+    let side_by_side = lanes.observe(1, 1, || Section::of(height));
+    for found in [section.crossings()[0].time, side_by_side.crossings()[0].time] {
+        assert!((found - 0.0885).abs() < 1e-15, "{found}");
+    }
+    let h = 0.5;
+    let start = State::at([-0.11625, 0.0, 0.0]).moving([1.0 + 0.5 * h, 0.0, 0.0]); // momenta of h/2
+    let mut falling = pull().simulate(start, Leapfrog::new(h)).unwrap();
+    let mut section = Section::of(height);
+    falling.observe(1, 1, &mut section).unwrap();
+    let exact = (1.0_f64 + 2.0 * 0.11625).sqrt() - 1.0;
+    let found = section.crossings()[0].time;
+    assert!((found - exact).abs() < 1e-14, "{found} for {exact}");
+}

@@ -125,7 +125,7 @@ impl<T: Real, X: ForceLawKernel<f64, K>, const D: usize, const K: usize, const A
                 let before: [f64; K] = part(changes);
                 let v = part(velocities);
                 let v = if X::SLOPED { sum(&v, &masses(&before)) } else { v };
-                let size = largest(&part(momenta)).max(largest(&before));
+                let size = largest(&v).max(largest(&masses(&part(momenta)))).max(largest(&masses(&before)));
                 let change = midpoint(kernel, h, &part(at.positions), &v, at.time, size, masses);
                 let after = sum(&before, &change.unwrap_or([f64::NAN; K]));
                 for (k, &after) in after.iter().enumerate() {
@@ -154,7 +154,7 @@ const MAX_ITERATIONS: usize = 100;
 /// Corrections are halved so often at most.
 const HALVINGS: u32 = 40;
 
-/// δ with δ = h f(q, v + M⁻¹δ/2, t) to the rounding of momenta of this size; none where none is found.
+/// δ with δ = h f(q, v + M⁻¹δ/2, t) to the rounding of velocities of this size; none where none is found.
 fn midpoint<X: ForceLawKernel<f64, K>, const K: usize>(
     kernel: &X,
     h: f64,
@@ -183,7 +183,8 @@ fn midpoint<X: ForceLawKernel<f64, K>, const K: usize>(
             })
         });
         let correction = solve(matrix, residual)?;
-        let (moved, length) = (largest(&correction), size.max(largest(&delta)));
+        let speed = |delta: &[f64; K]| largest(&masses(delta));
+        let (moved, length) = (speed(&correction), size.max(speed(&delta)));
         // The second: what is left is the rounding of the force.
         if moved <= 2.0 * f64::EPSILON * length || (moved <= STALLED * length && moved >= 0.5 * last) {
             return Some(add_scaled(&delta, -1.0, &correction));

@@ -332,8 +332,10 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
                 let (p, p_low) = (&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
                 let moved = minus(p, &self.first[body]);
                 lacks[body] = minus(&sum(&moved, &minus(p_low, &self.low[body])), change);
-                lack = lack.max(largest(&lacks[body]));
-                size = size.max(largest(p)).max(largest(change));
+                // As velocities: beside a heavy body a light one is as exact.
+                let speed = |p: &[T; D]| largest(&system.inertia().velocity(body, p));
+                lack = lack.max(speed(&lacks[body]));
+                size = size.max(speed(p)).max(speed(change));
             }
             if system.equations() == 0 || lack.le(T::from_f64(8.0 * f64::EPSILON) * size) {
                 return Ok(());

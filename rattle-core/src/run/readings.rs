@@ -330,7 +330,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S
     }
 
     fn rates(&self, _: usize, sight: &Sight<'_, D>) -> [Vec<SVector<f64, D>>; 2] {
-        self.answer(sight, answers::rates)
+        self.answer(sight, |_, bodies| self.at_one_time(bodies, answers::rates))
     }
 
     fn effect_energies(&self, _: usize, sight: &Sight<'_, D>) -> Vec<f64> {

@@ -6,6 +6,7 @@
 
 use crate::effect::interval::inverse_mass;
 use crate::motion::method::Method;
+use crate::motion::parts::BodiesOf;
 use crate::motion::system::System;
 use crate::number::twofold::Twofold;
 use crate::number::vector::{add_scaled, sum, two_sum};
@@ -48,17 +49,22 @@ fn impact<Y: System<f64, D>, S: Method, const D: usize>(
     which: WhichContact,
     stretch: &mut Stretch<'_, Y, S, D>,
 ) -> Result<(), Trouble> {
-    let (system, bodies, [before, ..]) = (stretch.system, &mut *stretch.bodies, &mut *stretch.aside);
+    let (system, bodies, [before, still, ..]) = (stretch.system, &mut *stretch.bodies, &mut *stretch.aside);
     system.put_aside(bodies, before);
-    // Where constraints move, P is that of a change of momenta.
-    let moves = system.moves_with_time();
-    if !moves {
+    let at_rest = |bodies: &mut BodiesOf<Y, f64, D>| {
         bodies.p.as_mut().fill([0.0; D]);
         bodies.p_low.as_mut().fill([0.0; D]);
+    };
+    // Where constraints move, P takes bodies at rest along: it is what is added to that.
+    let moves = system.constraints_move();
+    at_rest(bodies);
+    if moves {
+        system.settle(0.0, 1.0, bodies, &mut ())?;
+        system.put_aside(bodies, still);
+        at_rest(bodies);
     }
     for (body, gradient) in &meetings.gradient {
-        let p = &mut bodies.p.as_mut()[*body];
-        *p = sum(p, gradient);
+        bodies.p.as_mut()[*body] = *gradient;
     }
     system.settle(0.0, 1.0, bodies, &mut ())?;
     // Momenta along constraints that rest, and give way along their normals: ∇gap·v is w·v, to the last bit.
@@ -70,8 +76,8 @@ fn impact<Y: System<f64, D>, S: Method, const D: usize>(
     for body in 0..bodies.p.as_ref().len() {
         let mut w = bodies.p.as_ref()[body];
         if moves {
-            let low = add_scaled(&bodies.p_low.as_ref()[body], -1.0, &before.p_low.as_ref()[body]);
-            w = sum(&add_scaled(&w, -1.0, &before.p.as_ref()[body]), &low);
+            let low = add_scaled(&bodies.p_low.as_ref()[body], -1.0, &still.p_low.as_ref()[body]);
+            w = sum(&add_scaled(&w, -1.0, &still.p.as_ref()[body]), &low);
         }
         if inertia.is_pinned(body) {
             w = [0.0; D];

@@ -183,11 +183,12 @@ impl<const D: usize> Search<D> {
         stretch.system.put_aside(stretch.start, start);
         stretch.system.put_aside(stretch.bodies, end);
         let least = stretch.bodies.inner_steps().div_ceil(FEW_INNER).clamp(2, MOST_PARTS).ilog2();
-        for halved in least..=least + SHORTENED {
+        let last = (least + SHORTENED).min(MOST_PARTS.ilog2()).max(least);
+        for halved in least..=last {
             let part = length / f64::from(1_u32 << halved);
             stretch.begin_again(noise);
             stretch.heard = false;
-            let found = self.part_of_event(stretch, part, 1 << halved, halved < least + SHORTENED);
+            let found = self.part_of_event(stretch, part, 1 << halved, halved < last);
             stretch.heard = true;
             let number = match found {
                 Inside::Nothing => break,

@@ -232,11 +232,12 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Mean<Q> {
     }
 
     fn jump(&mut self, from: &Sight<'_, D>, before: &Sight<'_, D>, after: &Sight<'_, D>) {
-        let known = self.jumped.filter(|&(since, _)| since == from.time);
-        let [integral, last, time] =
-            known.map_or_else(|| [0.0, (self.quantity)(from), from.time], |(_, jumped)| jumped);
+        // `from` is the last sight, or right after the jump before.
+        let known = self.jumped.filter(|&(_, [_, _, time])| time == from.time);
+        let (since, [integral, last, time]) =
+            known.unwrap_or_else(|| (from.time, [0.0, (self.quantity)(from), from.time]));
         let part = 0.5 * (last + (self.quantity)(before)) * (before.time - time);
-        self.jumped = Some((from.time, [integral + part, (self.quantity)(after), after.time]));
+        self.jumped = Some((since, [integral + part, (self.quantity)(after), after.time]));
     }
 
     fn join(&mut self, next: Self) {

@@ -66,7 +66,8 @@ pub trait Observer<const D: usize> {
     fn failure(&self) -> Option<Error> {
         None
     }
-    /// Called with λ of a position equation, in every step of a simulation. A step that is divided, at
+    /// Called with λ of a position equation, in every step of a simulation, also in one that fails at its end unless
+    /// steps may be divided. A step that is divided, at
     /// [impacts](crate::run::simulation::Simulation::collide) say, tells of its parts in turn. Not called in ensembles;
     /// see [`Sight::multipliers`].
     #[inline(always)]

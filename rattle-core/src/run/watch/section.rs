@@ -12,7 +12,8 @@ use nalgebra::SVector;
 /// a [flow](crate::effect::Flow) gives, bend no parabola: what they add to momenta is off by up to h²/8 times its
 /// second derivative. The crossing is where s is zero on that path. A crossing evaluates velocities and forces at both
 /// sights, and allocates. Momenta of staggered methods, as [`Leapfrog`](crate::methods::leapfrog::Leapfrog), are those
-/// of half a step beside the time of the crossing.
+/// of half a step beside the time of the crossing. Where no body has a velocity at either sight, as
+/// [`Brownian`](crate::methods::brownian::Brownian) leaves them, the path is a straight line.
 ///
 /// A crossing is seen where s < 0 at one sight and s ≥ 0 at the next. What passes zero and comes back between two
 /// sights is not: look often enough that s changes its sign no more than once from one sight to the next.
@@ -154,11 +155,16 @@ impl<const D: usize> Crossing<D> {
         let [(before, [v0, f0]), (now, [v1, f1])] = ends;
         let (t, rest, h) = (part, 1.0 - part, now.time - before.time);
         self.time = before.time + part * h;
+        let straight = [v0, v1].into_iter().flatten().all(|v| v.norm_squared() == 0.0);
         for body in 0..self.positions.len() {
             let (q0, q1) = (before.positions[body], now.positions[body]);
-            let curve = v0[body] * (h * t * rest * rest) - v1[body] * (h * t * t * rest);
-            self.positions[body] =
-                q0 * ((1.0 + 2.0 * t) * rest * rest) + q1 * (t * t * (3.0 - 2.0 * t)) + curve;
+            let [v0, v1] = [v0[body], v1[body]];
+            self.positions[body] = if straight {
+                q0 * rest + q1 * t
+            } else {
+                let curve = v0 * (h * t * rest * rest) - v1 * (h * t * t * rest);
+                q0 * ((1.0 + 2.0 * t) * rest * rest) + q1 * (t * t * (3.0 - 2.0 * t)) + curve
+            };
             // What flows give at both ends alike is in the change of p; how that changes is left out.
             let (p0, p1) = (before.momenta[body], now.momenta[body]);
             self.momenta[body] = p0 * rest + p1 * t + (f0[body] - f1[body]) * (0.5 * h * t * rest);
