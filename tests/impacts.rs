@@ -513,3 +513,28 @@ fn impacts_under_forces_of_time_are_as_those_without() {
     let off = (plain.momentum() - field.momentum()).norm() / plain.momentum().norm();
     assert!(off < 1e-15, "{off:e}");
 }
+
+/// On a piston that moves an impact is the same in any unit of mass.
+#[test]
+fn impacts_on_what_moves_know_no_unit_of_mass() {
+    constraint! {
+        struct Slope {}
+        |x, y| 0.6 * x + 0.8 * y
+    }
+    constraint! {
+        /// Drags the body along x.
+        struct Belt { u }
+        |x, _y, t| x - 1 + u * t
+    }
+    let ends = [1.0, 1e15].map(|mass| {
+        let scene = Scene::points(1).link_moving(Belt { u: 1.0 }, [[0]]).masses([mass]);
+        let start = State::of([[1.0, 1.0]]).with_momenta([[-mass, -0.7 * mass]]);
+        let run = scene.simulate(start, Rattle::new(0.01)).unwrap();
+        let mut run = run.collide(Stop::above(Slope {})).unwrap();
+        run.run(200).unwrap();
+        assert_eq!(run.events(), 1);
+        (run.positions().next().unwrap(), run.momenta().next().unwrap() / mass)
+    });
+    let off = (ends[0].0 - ends[1].0).norm() + (ends[0].1 - ends[1].1).norm();
+    assert!(off < 1e-12, "{off:e}: {ends:?}");
+}

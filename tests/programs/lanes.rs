@@ -22,6 +22,8 @@ mod lanes_heat;
 mod lanes_linked;
 #[path = "../lanes_lobatto_linked.rs"]
 mod lanes_lobatto_linked;
+#[path = "../lanes_narrow.rs"]
+mod lanes_narrow;
 #[path = "../lanes_neighbours.rs"]
 mod lanes_neighbours;
 #[path = "../lanes_phase.rs"]

@@ -125,7 +125,9 @@ impl<T: Real, X: ForceLawKernel<f64, K>, const D: usize, const K: usize, const A
                 let before: [f64; K] = part(changes);
                 let v = part(velocities);
                 let v = if X::SLOPED { sum(&v, &masses(&before)) } else { v };
-                let size = largest(&v).max(largest(&masses(&part(momenta)))).max(largest(&masses(&before)));
+                let p = part(momenta);
+                let size = [p, masses(&p)].map(|x| largest(&x));
+                let size = [size[0].max(largest(&before)), size[1].max(largest(&masses(&before)))];
                 let change = midpoint(kernel, h, &part(at.positions), &v, at.time, size, masses);
                 let after = sum(&before, &change.unwrap_or([f64::NAN; K]));
                 for (k, &after) in after.iter().enumerate() {
@@ -154,14 +156,14 @@ const MAX_ITERATIONS: usize = 100;
 /// Corrections are halved so often at most.
 const HALVINGS: u32 = 40;
 
-/// δ with δ = h f(q, v + M⁻¹δ/2, t) to the rounding of velocities of this size; none where none is found.
+/// δ with δ = h f(q, v + M⁻¹δ/2, t) to the rounding of momenta and velocities of these sizes; none where none is found.
 fn midpoint<X: ForceLawKernel<f64, K>, const K: usize>(
     kernel: &X,
     h: f64,
     q: &[f64; K],
     v: &[f64; K],
     t: f64,
-    size: f64,
+    size: [f64; 2],
     masses: impl Fn(&[f64; K]) -> [f64; K],
 ) -> Option<[f64; K]> {
     if !X::SLOPED {
@@ -183,10 +185,15 @@ fn midpoint<X: ForceLawKernel<f64, K>, const K: usize>(
             })
         });
         let correction = solve(matrix, residual)?;
-        let speed = |delta: &[f64; K]| largest(&masses(delta));
-        let (moved, length) = (speed(&correction), size.max(speed(&delta)));
+        // As part of the largest momentum or velocity, whichever is more; of what nothing moves, 0.
+        let part = |way: &[f64; K], of: &[f64; K], size: f64| match largest(way) {
+            0.0 => 0.0,
+            moved => moved / size.max(largest(of)),
+        };
+        let moved =
+            part(&correction, &delta, size[0]).max(part(&masses(&correction), &masses(&delta), size[1]));
         // The second: what is left is the rounding of the force.
-        if moved <= 2.0 * f64::EPSILON * length || (moved <= STALLED * length && moved >= 0.5 * last) {
+        if moved <= 2.0 * f64::EPSILON || (moved <= STALLED && moved >= 0.5 * last) {
             return Some(add_scaled(&delta, -1.0, &correction));
         }
         let (mut step, left) = (1.0, largest(&residual));
@@ -198,7 +205,7 @@ fn midpoint<X: ForceLawKernel<f64, K>, const K: usize>(
         });
         match next {
             Some(next) => (delta, last) = (next, moved),
-            None if moved <= STALLED * length => return Some(delta),
+            None if moved <= STALLED => return Some(delta),
             None => return None,
         }
     }

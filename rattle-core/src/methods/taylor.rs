@@ -22,8 +22,9 @@
 //! leaves out, the change is sought by bisection, and the inner step ends right behind it: the series may be wrong for
 //! as long as this leads the body off, with velocities times h, by no more than the tolerance. What is entered and left
 //! within a quarter of one inner step is not seen: h bounds the inner steps, and must be no longer than what acts is
-//! met for. Where an inner step begins on the edge of a branch itself, there is no series, and the motion goes a 10⁻¹⁰
-//! of the step by its rates alone. Without a tolerance nothing is compared.
+//! met for. Where an inner step begins on the edge of a branch itself, there is no series, and bodies go a little way
+//! by their rates alone, as long as that leads them off by no more than the tolerance. Without a tolerance nothing is
+//! compared.
 //!
 //! Source: À. Jorba, M. Zou, Exp. Math. 14 (2005) 99.
 
@@ -288,10 +289,11 @@ impl Taylor {
             let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
             (*p, *p_low) = two_sum(p, &sum(p_low, &impulse));
         }
-        bodies.work = bodies.work + step * power;
         bodies.time += time;
-        land(time, (system, rates), start, bodies)??;
-        rates.evaluate_rates(bodies, &mut there[..n], &mut ());
+        let landed = land(time, (system, rates), start, bodies)?;
+        look_inside(self, [time; 2], system, start, bodies, landed)?;
+        let later = rates.evaluate_rates(bodies, &mut there[..n], &mut ());
+        bodies.work = bodies.work + T::from_f64(0.5) * step * (power + later);
         let mut jump = 0.0_f64;
         for body in 0..n {
             let change = add_scaled(&there[body], T::from_f64(-1.0), &pushed[body]);

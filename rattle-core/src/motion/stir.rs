@@ -311,6 +311,7 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
         let ((impulses, lacks), (impulses_before, lacks_before)) =
             (now.split_at_mut(n), before.split_at_mut(n));
         impulses.fill([zero; D]);
+        let mut last = f64::INFINITY;
         for iteration in 0..MOST_ITERATIONS {
             if iteration > 0 {
                 self.put_back(bodies);
@@ -327,19 +328,23 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
             changes.iter_mut().zip(&*impulses).for_each(|(change, n)| *change = sum(change, n));
             add(changes, bodies);
             system.settle(0.0, h, bodies, &mut ())?;
-            let (mut lack, mut size) = (zero, T::from_f64(f64::MIN_POSITIVE));
+            let (mut lack, mut size, mut worst) = (zero, T::from_f64(f64::MIN_POSITIVE), 0.0_f64);
             for (body, change) in changes.iter().enumerate() {
                 let (p, p_low) = (&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
                 let moved = minus(p, &self.first[body]);
                 lacks[body] = minus(&sum(&moved, &minus(p_low, &self.low[body])), change);
-                // As velocities: beside a heavy body a light one is as exact.
-                let speed = |p: &[T; D]| largest(&system.inertia().velocity(body, p));
-                lack = lack.max(speed(&lacks[body]));
-                size = size.max(speed(p)).max(speed(change));
+                let (own, own_size) = (largest(&lacks[body]), largest(p).max(largest(change)));
+                (lack, size) = (lack.max(own), size.max(own_size));
+                if !own.le(T::from_f64(8.0 * f64::EPSILON) * own_size) {
+                    worst = worst.max((own / own_size).to_f64());
+                }
             }
-            if system.equations() == 0 || lack.le(T::from_f64(8.0 * f64::EPSILON) * size) {
+            // To the rounding of each body, or of all where that of one is brought no nearer.
+            let settled = lack.le(T::from_f64(8.0 * f64::EPSILON) * size);
+            if system.equations() == 0 || (settled && (worst == 0.0 || worst >= 0.5 * last)) {
                 return Ok(());
             }
+            last = worst;
             if iteration + 1 == MOST_ITERATIONS && lack.le(T::from_f64(SETTLED) * size) {
                 return Ok(());
             }

@@ -155,6 +155,10 @@ impl<const W: usize> Departs<W> for Collocation<W> {
         stand.course.set.run(Depart { collocation: self, stand, pulling });
     }
 
+    fn lands(&self) -> bool {
+        true
+    }
+
     fn kick(&mut self, stand: &mut Stand<'_, W>, pulling: &mut Pulls<'_, '_, W>) {
         let [last, _] = self.with.kick[self.with.stages - 1];
         stand.pull_there(pulling);

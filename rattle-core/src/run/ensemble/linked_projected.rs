@@ -183,9 +183,10 @@ impl<'a, const W: usize> Desk<'a, W> {
     /// a lane is still seeking.
     #[inline(always)]
     fn approach(&mut self) -> bool {
-        let Self { stand: Stand { course, numbers, .. }, seeking, distance, .. } = self;
+        let Self { stand: Stand { course, numbers, .. }, method, seeking, distance, .. } = self;
         let Course { plan, links, over, set, .. } = *course;
         let Places { q, q_low, g, gradient, change, .. } = plan.places;
+        let lands = method.lands();
         links.gradients(plan, set, q, numbers);
         plan.lift(over, numbers);
         let (mut far, mut roundings) = (zeros::<W>(), zeros::<W>());
@@ -201,7 +202,7 @@ impl<'a, const W: usize> Desk<'a, W> {
         for l in 0..W {
             let (far, last, roundings) = (far.0[l].0, distance.0[l].0, roundings.0[l].0);
             let near = roundings <= long;
-            let arrived = (roundings <= 1.0) | (near & (last <= 2.0 * far));
+            let arrived = (roundings <= 1.0) | (near & (lands | (last <= 2.0 * far)));
             let nearer = near | (far < NEARER * last);
             let seeks = seeking[l] == MOVES;
             moves[l] = u64::from(seeks & !arrived & nearer);

@@ -291,6 +291,7 @@ where
         forget(&mut kept.past, lane);
         (kept.asked.0[lane], kept.astray.0[lane]) = (Fused(0.0), Fused(0.0));
         let finite = bodies.iter().all(|body| body.q.iter().chain(&body.p).all(|x| x.is_finite()));
+        self.narrow[lane] = None;
         if !finite {
             return false;
         }
@@ -356,6 +357,7 @@ where
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
         let mut again = self.clone();
+        again.narrow.fill(None);
         read_all(again.kept.all(), from)?;
         Ok(Box::new(again))
     }

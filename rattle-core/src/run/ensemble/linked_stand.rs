@@ -21,6 +21,12 @@ pub(super) trait Departs<const W: usize> {
     /// `q` and `way` of the [numbers](Stand::numbers). Says how long these steps are and whether they are taken.
     fn depart(&mut self, stand: &mut Stand<'_, W>, pulling: &mut Pulls<'_, '_, W>);
 
+    /// Whether where it leads is on the constraints but for rounding, which is then left as it is: moved, places would
+    /// be of other multipliers than velocities are, and energies drift.
+    fn lands(&self) -> bool {
+        false
+    }
+
     /// Kicks velocities where inner steps led, before these are projected there.
     fn kick(&mut self, _: &mut Stand<'_, W>, _: &mut Pulls<'_, '_, W>) {}
 

@@ -9,7 +9,7 @@ use crate::motion::method::Method;
 use crate::motion::parts::BodiesOf;
 use crate::motion::system::System;
 use crate::number::twofold::Twofold;
-use crate::number::vector::{add_scaled, sum, two_sum};
+use crate::number::vector::{add_scaled, largest, scaled, sum, two_sum};
 use crate::run::events::meeting::{Meetings, WhichContact};
 use crate::run::events::stretch::Stretch;
 use crate::run::trouble::Trouble;
@@ -63,8 +63,12 @@ fn impact<Y: System<f64, D>, S: Method, const D: usize>(
         system.put_aside(bodies, still);
         at_rest(bodies);
     }
+    // As large as what constraints give, which is subtracted: any multiple of ∇gap does.
+    let given = still.p.as_ref().iter().map(largest).fold(0.0, f64::max);
+    let steep = meetings.gradient.iter().map(|(_, gradient)| largest(gradient)).fold(0.0, f64::max);
+    let scale = if moves && given / steep < f64::MAX { (given / steep).max(1.0) } else { 1.0 };
     for (body, gradient) in &meetings.gradient {
-        bodies.p.as_mut()[*body] = *gradient;
+        bodies.p.as_mut()[*body] = scaled(scale, gradient);
     }
     system.settle(0.0, 1.0, bodies, &mut ())?;
     // Momenta along constraints that rest, and give way along their normals: ∇gap·v is w·v, to the last bit.

@@ -1,5 +1,6 @@
 //! Mean and variance of a quantity along runs.
 
+use crate::run::watch::each::Each;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::sight::Sight;
 
@@ -19,23 +20,24 @@ pub struct Mean<Q> {
     number: usize,
     recent: [f64; RECENT],
     blocks: Blocks,
+    /// The trajectory that was seen, and whether others were.
+    trajectory: Option<usize>,
+    several: bool,
     /// Momenta have jumped since the sight of this time: the integral until the last jump, the value right after it,
-    /// and its time. A step that failed behind a jump leaves it to a sight that is seen no more.
-    jumped: Option<(f64, [f64; 3])>,
+    /// and its time; and the step of the last jump. A step that failed behind a jump leaves it to a sight that is seen
+    /// no more.
+    jumped: Option<(f64, [f64; 3], u64)>,
 }
 
 /// So many sights are joined at a time.
 const RECENT: usize = 64;
 
-/// Means of blocks of [`RECENT`] successive sights, of twice as many, and so on: where blocks are longer than the
-/// quantity remembers, their means are independent.
+/// Means of blocks of [`RECENT`] successive sights of one trajectory, of twice as many, and so on, each with that of a
+/// first half: where blocks are longer than the quantity remembers, their means are independent.
 ///
 /// Source: H. Flyvbjerg, H. G. Petersen, J. Chem. Phys. 91 (1989) 461.
-#[derive(Debug, Clone)]
-struct Blocks([(Moments, Option<f64>); LENGTHS]);
-
-/// Lengths of blocks.
-const LENGTHS: usize = 32;
+#[derive(Debug, Clone, Default)]
+struct Blocks(Vec<(Moments, Option<f64>)>);
 
 /// Fewer blocks say too little of the spread of their means.
 const FEWEST_BLOCKS: f64 = 16.0;
@@ -43,7 +45,11 @@ const FEWEST_BLOCKS: f64 = 16.0;
 impl Blocks {
     /// Adds the mean of a block of the shortest length.
     fn add(&mut self, mut mean: f64) {
-        for (blocks, first_half) in &mut self.0 {
+        for length in 0.. {
+            if length == self.0.len() {
+                self.0.push((Moments::of(&[]), None));
+            }
+            let (blocks, first_half) = &mut self.0[length];
             *blocks = blocks.and(Moments { number: 1.0, mean, squares: 0.0 });
             match first_half.take() {
                 None => {
@@ -55,18 +61,20 @@ impl Blocks {
         }
     }
 
-    /// Adds those of other trajectories, or of later sights; halves of blocks are left out.
-    fn join(&mut self, next: &Self) {
-        for ((blocks, _), (others, _)) in self.0.iter_mut().zip(&next.0) {
-            *blocks = blocks.and(*others);
+    /// The largest standard error of the mean of so many sights that blocks of a length tell of; NaN if one is.
+    fn error(&self, sights: f64) -> f64 {
+        let (mut largest, mut length) = (f64::NAN, RECENT as f64);
+        for (Moments { number, squares, .. }, _) in &self.0 {
+            if *number < FEWEST_BLOCKS {
+                break;
+            }
+            let square = squares / (number - 1.0) * (length / sights);
+            if square.is_nan() {
+                return square;
+            }
+            (largest, length) = (largest.max(square), 2.0 * length);
         }
-    }
-
-    /// The largest standard error of the mean that blocks of a length tell of.
-    fn error(&self) -> f64 {
-        let told = self.0.iter().filter(|(blocks, _)| blocks.number >= FEWEST_BLOCKS);
-        let errors = told.map(|(Moments { number, squares, .. }, _)| squares / (number - 1.0) / number);
-        errors.fold(f64::NAN, f64::max).sqrt()
+        largest.sqrt()
     }
 }
 
@@ -123,7 +131,9 @@ impl<Q> Mean<Q> {
             all: Moments::of(&[]),
             number: 0,
             recent: [0.0; RECENT],
-            blocks: Blocks([(Moments::of(&[]), None); LENGTHS]),
+            blocks: Blocks::default(),
+            trajectory: None,
+            several: false,
             jumped: None,
         }
     }
@@ -155,10 +165,11 @@ impl<Q> Mean<Q> {
 
     #[inline(never)]
     fn settle(&mut self) {
-        if self.number == RECENT {
-            self.blocks.add(Moments::of(&self.recent).mean);
+        let recent = Moments::of(&self.recent[..self.number]);
+        if self.number == RECENT && !self.several {
+            self.blocks.add(recent.mean);
         }
-        (self.all, self.number) = (self.moments(), 0);
+        (self.all, self.number) = (self.all.and(recent), 0);
     }
 
     /// The number of sights.
@@ -183,12 +194,13 @@ impl<Q> Mean<Q> {
         if number < 2.0 { f64::NAN } else { squares / (number - 1.0) }
     }
 
-    /// The standard error of the mean, by the spread of means over blocks of 64, 128, … successive sights; the largest
-    /// that blocks of a length tell of, of those that there are 16 of. NaN after fewer than 1024 sights.
+    /// The standard error of the mean along one trajectory, by the spread of means over blocks of 64, 128, … successive
+    /// sights; the largest that blocks of a length tell of, of those that there are 16 of: known to a fifth at worst,
+    /// and to a few percent where blocks are many. NaN after fewer than 1024 sights, and where several trajectories
+    /// were seen: what these are apart by is told by [`Each`] with a mean of its own for each.
     ///
-    /// Too small where a quantity remembers longer than a sixteenth of the run of its trajectory, or where a part of
-    /// the surface was not reached at all; up to a third too large otherwise. variance/uncertainty² is the number of
-    /// independent sights that would tell as much.
+    /// Too small where a quantity remembers longer than a sixteenth of the run, or where a part of the surface was not
+    /// reached at all. variance/uncertainty² is the number of independent sights that would tell as much.
     ///
     /// ```
     /// # use rattle::effect::Langevin;
@@ -206,7 +218,28 @@ impl<Q> Mean<Q> {
     #[doc(alias = "block averaging")]
     #[doc(alias = "effective sample size")]
     pub fn uncertainty(&self) -> f64 {
-        self.blocks.error()
+        let Moments { number, mean, .. } = self.moments();
+        if self.several || mean.is_nan() { f64::NAN } else { self.blocks.error(number) }
+    }
+}
+
+impl<F, Q> Each<F, Mean<Q>> {
+    /// The standard error of the mean over all trajectories, by the spread of their means, whatever each remembers: for
+    /// runs of one length. NaN with fewer than two.
+    ///
+    /// ```
+    /// # use rattle::{Rattle, Scene, State, watch::{Each, Mean, Sight}};
+    /// let starts = (0..4).map(|i| State::at([f64::from(i)]));
+    /// let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.5))?;
+    /// let each = ensemble.observe(3, 1, || Each::of(|| Mean::of(|now: &Sight<'_, 1>| now.positions[0].x)));
+    /// assert_eq!(each.uncertainty(), (5.0_f64 / 3.0 / 4.0).sqrt());
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    #[doc(alias = "standard error")]
+    pub fn uncertainty(&self) -> f64 {
+        let means: Vec<_> = self.iter().map(|(_, of)| of.moments().mean).collect();
+        let Moments { number, squares, .. } = Moments::of(&means);
+        if number < 2.0 { f64::NAN } else { (squares / (number - 1.0) / number).sqrt() }
     }
 }
 
@@ -214,10 +247,11 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Mean<Q> {
     #[inline(always)]
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
         let value = (self.quantity)(now);
-        self.recent[self.number] = match self.jumped.take().filter(|&(since, _)| since == before.time) {
+        self.several |= self.trajectory.replace(now.trajectory).is_some_and(|last| last != now.trajectory);
+        self.recent[self.number] = match self.jumped.take().filter(|&(since, ..)| since == before.time) {
             _ if !self.over_time => value,
             None => 0.5 * ((self.quantity)(before) + value),
-            Some((_, [integral, last, time])) => {
+            Some((_, [integral, last, time], _)) => {
                 (integral + 0.5 * (last + value) * (now.time - time)) / (now.time - before.time)
             }
         };
@@ -233,16 +267,22 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Mean<Q> {
 
     fn jump(&mut self, from: &Sight<'_, D>, before: &Sight<'_, D>, after: &Sight<'_, D>) {
         // `from` is the last sight, or right after the jump before.
-        let known = self.jumped.filter(|&(_, [_, _, time])| time == from.time);
-        let (since, [integral, last, time]) =
-            known.unwrap_or_else(|| (from.time, [0.0, (self.quantity)(from), from.time]));
+        let known = self.jumped.filter(|&(_, [_, _, time], step)| (time, step) == (from.time, from.step));
+        let (since, [integral, last, time], _) =
+            known.unwrap_or_else(|| (from.time, [0.0, (self.quantity)(from), from.time], from.step));
         let part = 0.5 * (last + (self.quantity)(before)) * (before.time - time);
-        self.jumped = Some((since, [integral + part, (self.quantity)(after), after.time]));
+        self.jumped = Some((since, [integral + part, (self.quantity)(after), after.time], after.step));
     }
 
     fn join(&mut self, next: Self) {
+        let others = next.moments();
+        if others.number > 0.0 {
+            self.several |= next.several || self.trajectory.is_some();
+            if self.trajectory.is_none() {
+                (self.trajectory, self.blocks) = (next.trajectory, next.blocks);
+            }
+        }
         self.settle();
-        self.all = self.all.and(next.moments());
-        self.blocks.join(&next.blocks);
+        self.all = self.all.and(others);
     }
 }

@@ -167,7 +167,8 @@ impl<const D: usize> Crossing<D> {
             };
             // What flows give at both ends alike is in the change of p; how that changes is left out.
             let (p0, p1) = (before.momenta[body], now.momenta[body]);
-            self.momenta[body] = p0 * rest + p1 * t + (f0[body] - f1[body]) * (0.5 * h * t * rest);
+            let bent = if straight { 0.0 } else { 0.5 * h * t * rest };
+            self.momenta[body] = p0 * rest + p1 * t + (f0[body] - f1[body]) * bent;
         }
     }
 }
