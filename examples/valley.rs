@@ -1,4 +1,4 @@
-//! An hour of rain in a valley: from a raster of heights to the hydrograph at the outlet.
+//! Half an hour of rain in a valley: from a raster of heights to the hydrograph at the outlet.
 //!
 //! ```text
 //! cargo run --release --example valley                  # then open out/valley/index.html

@@ -13,8 +13,8 @@
 //!   of the step. Each alone is first order, λₙ₊₁ = λ(tₙ) + O(h), μₙ = λ(tₙ) + O(h) with opposite errors; (μₙ + λₙ₊₁)/2
 //!   = λ(tₙ) + O(h²). A method that consists of several RATTLE steps (a composition, `Geodesic`) reports to an observer
 //!   the multipliers of its inner steps: each is an impulse divided by h/2 of the inner step, hence only a share of the
-//!   whole step's force. `simulation.multipliers()` is λ of the present state, from g̈ = 0, whatever the method. The
-//!   unit of λ is that of U over that of g, so Gᵀλ is a force; see
+//!   whole step's force. `simulation.multipliers()` is λ of the present state, from g̈ = 0, whatever the method,
+//!   without what constraints answer to flows. The unit of λ is that of U over that of g, so Gᵀλ is a force; see
 //!   [`constraint_forces`](crate::Simulation::constraint_forces). Where equations depend on each other, λ is not
 //!   unique; then the λ of least norm is given, with every equation scaled to a gradient of length 1 (in the metric of
 //!   M⁻¹).

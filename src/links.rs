@@ -15,7 +15,8 @@
 //! exist. [`surfaces`](crate::surfaces) are links of one body in space.
 //!
 //! The multiplier of a link is a force or a torque, times the factor that its page gives; it is positive where the link
-//! pushes along the gradient of g. `simulation.constraint_forces()` returns forces on bodies, whatever the formula.
+//! pushes along the gradient of g. `simulation.constraint_forces()` returns forces on bodies, whatever the formula, but
+//! for what constraints answer to flows (`force!`, drag, fields).
 //!
 //! ```
 //! use rattle::links::Rod;

@@ -35,7 +35,8 @@ constraint! {
     |x, y, _z| x^2 + y^2 - r^2
 }
 constraint! {
-    /// A cylinder with a dent of length 2l and depth a (LAMMPS `cylinder_dent`).
+    /// A cylinder with a dent of length 2l and depth a (LAMMPS `cylinder_dent`, whose program takes half of that
+    /// length: its l is 2l here).
     ///
     #[doc = include_str!("surfaces/dented_cylinder.html")]
     pub struct DentedCylinder { r, l, a }
@@ -59,7 +60,8 @@ constraint! {
     |x, _y, z| z - a * sin(w * x)
 }
 constraint! {
-    /// A plane with a Gaussian bump, brought to zero between two radii by a cubic (LAMMPS `gaussian_bump`).
+    /// A plane with a Gaussian bump, brought to zero between two radii, inner < outer, by a cubic in the distance, as
+    /// the manual of LAMMPS has it (`gaussian_bump`; its program draws another curve unless outer − inner is 1).
     ///
     #[doc = include_str!("surfaces/gaussian_bump.html")]
     pub struct GaussianBump { a, l, inner, outer }
@@ -295,7 +297,7 @@ constraint! {
     |x, y, z| (x^2 + 9/4 * y^2 + z^2 - 1)^3 - x^2 * z^3 - 9/80 * y^2 * z^3
 }
 constraint! {
-    /// Dupin's cyclide.
+    /// Dupin's cyclide, for a ≥ |b|.
     ///
     #[doc = include_str!("surfaces/dupin_cyclide.html")]
     pub struct DupinCyclide { a, b, d }

@@ -581,3 +581,17 @@ fn friction_in_a_lift() {
         assert!((x - 0.5 * v * end).abs() < 1e-3 && p.abs() < 1e-13, "u = {u}, a = {a}: {x}, {p}");
     }
 }
+
+/// What a step leaves along a line of drag that is far too strong for it in one direction, as its page says.
+#[test]
+fn drag_far_above_the_step_on_a_line() {
+    for angle in [0.2_f64, 0.8, 1.4] {
+        let (sin, cos) = angle.sin_cos();
+        let scene = Scene::on(Plane { a: -sin, b: cos, c: 0.0, d: 0.0 });
+        let scene = scene.with(LinearDrag::along([1e9, 0.0, 0.0]));
+        let mut run = scene.simulate(State::at([0.0; 3]).moving([cos, sin, 0.0]), Rattle::new(0.1)).unwrap();
+        run.step().unwrap();
+        let left = (sin * sin / (1.0 + cos * cos)).powi(2);
+        assert!((run.momentum().norm() - left).abs() < 1e-12, "{angle}: {}", run.momentum().norm());
+    }
+}

@@ -36,8 +36,11 @@ const RECENT: usize = 64;
 /// first half: where blocks are longer than the quantity remembers, their means are independent.
 ///
 /// Source: H. Flyvbjerg, H. G. Petersen, J. Chem. Phys. 91 (1989) 461.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 struct Blocks(Vec<(Moments, Option<f64>)>);
+
+/// Lengths of blocks, so that sights need not allocate: the longest is of more than 10¹¹ sights.
+const LENGTHS: usize = 32;
 
 /// Fewer blocks say too little of the spread of their means.
 const FEWEST_BLOCKS: f64 = 16.0;
@@ -45,7 +48,7 @@ const FEWEST_BLOCKS: f64 = 16.0;
 impl Blocks {
     /// Adds the mean of a block of the shortest length.
     fn add(&mut self, mut mean: f64) {
-        for length in 0.. {
+        for length in 0..LENGTHS {
             if length == self.0.len() {
                 self.0.push((Moments::of(&[]), None));
             }
@@ -131,7 +134,7 @@ impl<Q> Mean<Q> {
             all: Moments::of(&[]),
             number: 0,
             recent: [0.0; RECENT],
-            blocks: Blocks::default(),
+            blocks: Blocks(Vec::with_capacity(LENGTHS)),
             trajectory: None,
             several: false,
             jumped: None,
