@@ -203,4 +203,18 @@ fn light_bodies_beside_a_heavy_one() {
         let off = both.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         assert!(off < 1e-13, "{mass:e}: {off:e}");
     }
+    // Six in a chain, in a field that turns them by a radian in half of a step, which takes many rounds.
+    let chain = |far: f64| {
+        let scene = Scene::points(7)
+            .link(rattle::links::Rod { length: 1.0 }, (0..5).map(|i| [i, i + 1]))
+            .masses([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1e15])
+            .with(MagneticField::new([0.0, 0.0, 20.0]));
+        let places = (0..6).map(|i| [f64::from(i), 0.0, 0.0]).chain([[0.0, 9.0, 0.0]]);
+        let momenta = (0..6).map(|i| [0.3, 0.1 * f64::from(i) - 0.2, 0.1]).chain([[0.0, 0.0, far]]);
+        let mut run = scene.simulate(State::of(places).with_momenta(momenta), Rattle::new(0.1)).unwrap();
+        run.run(5).unwrap();
+        run.positions().take(6).collect::<Vec<_>>()
+    };
+    let off = chain(0.0).iter().zip(chain(1e15)).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    assert!(off < 1e-11, "{off:e}");
 }

@@ -290,8 +290,7 @@ impl Taylor {
             (*p, *p_low) = two_sum(p, &sum(p_low, &impulse));
         }
         bodies.time += time;
-        let landed = land(time, (system, rates), start, bodies)?;
-        look_inside(self, [time; 2], system, start, bodies, landed)?;
+        land(time, (system, rates), start, bodies)??;
         let later = rates.evaluate_rates(bodies, &mut there[..n], &mut ());
         bodies.work = bodies.work + T::from_f64(0.5) * step * (power + later);
         let mut jump = 0.0_f64;

@@ -35,6 +35,10 @@ pub(crate) const ROOM: usize = 18;
 /// [`Rule::Symmetric`] is iterated no more often: where each iteration takes half of what is left, all digits take 53.
 const MOST_ITERATIONS: usize = 100;
 
+/// Iterations after which what a body lacks is a rounding of others, if it is one of the largest momentum and no longer
+/// shrinks: before, it may do so on the way.
+const PATIENCE: usize = 16;
+
 /// What [`Rule::Symmetric`] may lack where no iteration brings it nearer, as part of the largest momentum: of a flow
 /// that is stiff along the normals of many constraints.
 const SETTLED: f64 = 1e-8;
@@ -333,15 +337,18 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
                 let (p, p_low) = (&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
                 let moved = minus(p, &self.first[body]);
                 lacks[body] = minus(&sum(&moved, &minus(p_low, &self.low[body])), change);
-                let (own, own_size) = (largest(&lacks[body]), largest(p).max(largest(change)));
+                let (own, first) = (largest(&lacks[body]), largest(&self.first[body]));
+                let own_size = largest(p).max(largest(change)).max(largest(&impulses[body])).max(first);
                 (lack, size) = (lack.max(own), size.max(own_size));
                 if !own.le(T::from_f64(8.0 * f64::EPSILON) * own_size) {
                     worst = worst.max((own / own_size).to_f64());
                 }
             }
-            // To the rounding of each body, or of all where that of one is brought no nearer.
+            // To the rounding of each body, or of all where that of one, at which impulses cancel, is brought no
+            // nearer.
+            let stalls = worst >= 0.5 * last && (worst <= SETTLED || iteration >= PATIENCE);
             let settled = lack.le(T::from_f64(8.0 * f64::EPSILON) * size);
-            if system.equations() == 0 || (settled && (worst == 0.0 || worst >= 0.5 * last)) {
+            if system.equations() == 0 || (settled && (worst == 0.0 || stalls)) {
                 return Ok(());
             }
             last = worst;

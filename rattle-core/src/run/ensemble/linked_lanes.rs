@@ -457,7 +457,6 @@ where
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
         let mut again = self.clone();
-        again.narrow.fill(None);
         read_all(again.numbers.iter_mut(), from)?;
         let [part] = from.counted("part")?;
         again.part = part as usize % self.common.method.parts.len();

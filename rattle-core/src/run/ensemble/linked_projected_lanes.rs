@@ -357,7 +357,6 @@ where
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
         let mut again = self.clone();
-        again.narrow.fill(None);
         read_all(again.kept.all(), from)?;
         Ok(Box::new(again))
     }

@@ -36,8 +36,16 @@ const RECENT: usize = 64;
 /// first half: where blocks are longer than the quantity remembers, their means are independent.
 ///
 /// Source: H. Flyvbjerg, H. G. Petersen, J. Chem. Phys. 91 (1989) 461.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 struct Blocks(Vec<(Moments, Option<f64>)>);
+
+impl Clone for Blocks {
+    fn clone(&self) -> Self {
+        let mut lengths = Vec::with_capacity(LENGTHS);
+        lengths.extend_from_slice(&self.0);
+        Self(lengths)
+    }
+}
 
 /// Lengths of blocks, so that sights need not allocate: the longest is of more than 10¹¹ sights.
 const LENGTHS: usize = 32;
@@ -199,8 +207,9 @@ impl<Q> Mean<Q> {
 
     /// The standard error of the mean along one trajectory, by the spread of means over blocks of 64, 128, … successive
     /// sights; the largest that blocks of a length tell of, of those that there are 16 of: known to a fifth at worst,
-    /// and to a few percent where blocks are many. NaN after fewer than 1024 sights, and where several trajectories
-    /// were seen: what these are apart by is told by [`Each`] with a mean of its own for each.
+    /// and to a few percent where blocks are many. NaN after fewer than 1024 sights, and where several
+    /// trajectories of an ensemble were seen (simulations one after the other count as one): what these are apart by is
+    /// told by [`Each`] with a mean of its own for each.
     ///
     /// Too small where a quantity remembers longer than a sixteenth of the run, or where a part of the surface was not
     /// reached at all. variance/uncertainty² is the number of independent sights that would tell as much.
@@ -222,7 +231,7 @@ impl<Q> Mean<Q> {
     #[doc(alias = "effective sample size")]
     pub fn uncertainty(&self) -> f64 {
         let Moments { number, mean, .. } = self.moments();
-        if self.several || mean.is_nan() { f64::NAN } else { self.blocks.error(number) }
+        if self.several || !mean.is_finite() { f64::NAN } else { self.blocks.error(number) }
     }
 }
 
@@ -240,7 +249,7 @@ impl<F, Q> Each<F, Mean<Q>> {
     /// ```
     #[doc(alias = "standard error")]
     pub fn uncertainty(&self) -> f64 {
-        let means: Vec<_> = self.iter().map(|(_, of)| of.moments().mean).collect();
+        let means: Vec<_> = self.iter().map(|(_, of)| of.mean()).collect();
         let Moments { number, squares, .. } = Moments::of(&means);
         if number < 2.0 { f64::NAN } else { (squares / (number - 1.0) / number).sqrt() }
     }
