@@ -2,7 +2,7 @@
 //! rotations and energies, sweeps, failures, and what is met inside of an inner step.
 
 use crate::lanes_projected::{end_as_alone, fast};
-use crate::lanes_projected_rigid::{MOMENTS, measured, scene};
+use crate::lanes_projected_rigid::{MOMENTS, lost, scene};
 use crate::lanes_rigid::{Alike, Field, check, off, start, start_of_three};
 use rattle::bodies::Count;
 use rattle::effect::Effects;
@@ -50,23 +50,9 @@ fn of_their_orders() {
 /// free body, which the method does not know of.
 #[test]
 fn rotations_to_rounding_and_energies_to_the_tolerance() {
-    fn lost<E: Effects<9>>(scene: &Scene<Rigid, E, rattle::bodies::One, 9>, free: bool) -> [f64; 3] {
-        let starts = (0..80).map(|i| start(i, MOMENTS, 1.0));
-        let mut ensemble = scene.ensemble(starts, Taylor::adaptive(16, 0.5, 1e-13)).unwrap();
-        assert_eq!(ensemble.plan().in_lanes, in_lanes(80));
-        let first: Vec<_> = ensemble.states().map(|state| measured(&state, free)).collect();
-        ensemble.run(40);
-        assert_eq!(ensemble.failures().count(), 0);
-        let mut most = [0.0_f64; 3];
-        for (state, (energy, momentum, _)) in ensemble.states().zip(first) {
-            let (now, turned, crooked) = measured(&state, free);
-            let found = [(now - energy).abs(), (turned - momentum).norm(), crooked];
-            most.iter_mut().zip(found).for_each(|(most, found)| *most = most.max(found));
-        }
-        most
-    }
-    let free = lost(&Scene::rigid(Rigid::new(MOMENTS)), true);
-    let heavy = lost(&scene(), false);
+    let method = Taylor::adaptive(16, 0.5, 1e-13);
+    let free = lost(&Scene::rigid(Rigid::new(MOMENTS)), true, method);
+    let heavy = lost(&scene(), false, method);
     println!("{free:?} {heavy:?}");
     // 20 units of time, some 100 inner steps, each of which leaves out less than its last terms, which are 1e-13; 1e-14
     // is where attitudes are brought back.

@@ -101,8 +101,7 @@ impl<const D: usize> Flow<D> for LinearDrag<D> {
 /// ```
 ///
 /// The flow is exact where the mass of a body is a number, of second order where it is a matrix or one for each
-/// coordinate. Backwards in time a
-/// velocity was infinite at t = −m/(c |v|): steps that reach as far fail.
+/// coordinate. Backwards in time a velocity was infinite at t = −m/(c |v|): steps that reach as far fail.
 ///
 /// ```
 /// use rattle::effect::QuadraticDrag;

@@ -31,7 +31,7 @@
 use crate::error::{Error, MethodFailure};
 use crate::motion::bodies::{Bodies, Count, Saved};
 use crate::motion::capability::{Rates, Series};
-use crate::motion::course::{ASTRAY, land, look_inside, moved};
+use crate::motion::course::{ASTRAY, land, look_inside, moved, velocity_of};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, Projecting, View, check_step_size, check_tolerance};
 use crate::motion::need::{Kicks, WithRates, WithSeries};
@@ -279,11 +279,10 @@ impl Taylor {
         let (n, step) = (bodies.q.as_ref().len(), T::from_f64(time));
         let power = rates.evaluate_rates(bodies, pushed, &mut ());
         for body in 0..n {
-            let (impulse, p) = (scaled(step, &pushed[body]), bodies.p.as_ref()[body]);
+            let impulse = scaled(step, &pushed[body]);
             // With half of the impulse: a body at rest is moved as well.
-            bodies.p.as_mut()[body] = add_scaled(&p, T::from_f64(0.5), &impulse);
-            let way = scaled(step, &system.velocity(bodies, body));
-            bodies.p.as_mut()[body] = p;
+            let middle = add_scaled(&bodies.p.as_ref()[body], T::from_f64(0.5), &impulse);
+            let way = scaled(step, &velocity_of(system, bodies, body, middle));
             let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
             (*q, *q_low) = two_sum(q, &sum(q_low, &way));
             let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
@@ -296,9 +295,7 @@ impl Taylor {
         let mut jump = 0.0_f64;
         for body in 0..n {
             let change = add_scaled(&there[body], T::from_f64(-1.0), &pushed[body]);
-            let p = std::mem::replace(&mut bodies.p.as_mut()[body], change);
-            let off = extent(&system.velocity(bodies, body));
-            bodies.p.as_mut()[body] = p;
+            let off = extent(&velocity_of(system, bodies, body, change));
             jump = if off.is_nan() { f64::INFINITY } else { jump.max(off) };
         }
         Ok(self.led_off(jump, time) <= self.tolerance.unwrap_or(0.0))
@@ -434,9 +431,8 @@ impl Taylor {
                 (there[body], sum) =
                     (add_scaled(&there[body], T::from_f64(-1.0), &rate), [T::from_f64(0.0); D]);
             }
-            let p = std::mem::replace(&mut bodies.p.as_mut()[body], there[body]);
-            let off = extent(&add_scaled(&sum, -square, &system.velocity(bodies, body)));
-            bodies.p.as_mut()[body] = p;
+            let pull = velocity_of(system, bodies, body, there[body]);
+            let off = extent(&add_scaled(&sum, -square, &pull));
             let size = terms + largest(&bodies.q.as_ref()[body]) / (step * step);
             let off = off - (last + rounding * size).to_f64();
             bend = if off.is_nan() { f64::INFINITY } else { bend.max(off) };

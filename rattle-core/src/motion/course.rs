@@ -113,6 +113,20 @@ pub(crate) fn land<T: Scalar, Y: System<T, D>, const D: usize>(
     if ahead.is_ok() { landed.map(|()| ahead) } else { Ok(ahead) }
 }
 
+/// The velocity that a body would have with this momentum where it is: of a rate of momenta, what velocities change by.
+#[inline(always)]
+pub(crate) fn velocity_of<T: Scalar, Y: System<T, D>, const D: usize>(
+    system: &Y,
+    bodies: &mut BodiesOf<Y, T, D>,
+    body: usize,
+    momentum: [T; D],
+) -> [T; D] {
+    let own = std::mem::replace(&mut bodies.p.as_mut()[body], momentum);
+    let velocity = system.velocity(bodies, body);
+    bodies.p.as_mut()[body] = own;
+    velocity
+}
+
 /// By how much bodies were moved onto the constraints at the end of an inner step, with velocities times the whole
 /// step, beyond what may be rounding; the most of all bodies, and of which body. `led` are places and momenta before.
 /// It is a part of the error, whatever the estimate of the method: where a constraint bends between two stages, as a
@@ -129,9 +143,8 @@ pub(crate) fn moved<T: Scalar, Y: System<T, D>, const D: usize>(
     for body in 0..bodies.q.as_ref().len() {
         let (q, p) = (bodies.q.as_ref()[body], bodies.p.as_ref()[body]);
         let size = largest(&q) + h * largest(&system.velocity(bodies, body));
-        bodies.p.as_mut()[body] = add_scaled(&p, minus, &momenta[body]);
-        let (way, change) = (add_scaled(&q, minus, &places[body]), system.velocity(bodies, body));
-        bodies.p.as_mut()[body] = p;
+        let way = add_scaled(&q, minus, &places[body]);
+        let change = velocity_of(system, bodies, body, add_scaled(&p, minus, &momenta[body]));
         let moved = dot(&way, &way).sqrt() + h * dot(&change, &change).sqrt() - rounding * size;
         if moved.to_f64() > worst.0 {
             worst = (moved.to_f64(), body);

@@ -207,9 +207,9 @@ impl<Q> Mean<Q> {
 
     /// The standard error of the mean along one trajectory, by the spread of means over blocks of 64, 128, … successive
     /// sights; the largest that blocks of a length tell of, of those that there are 16 of: known to a fifth at worst,
-    /// and to a few percent where blocks are many. NaN after fewer than 1024 sights, and where several
-    /// trajectories of an ensemble were seen (simulations one after the other count as one): what these are apart by is
-    /// told by [`Each`] with a mean of its own for each.
+    /// and to a few percent where blocks are many. NaN after fewer than 1024 sights, and where several trajectories of
+    /// an ensemble were seen: what these are apart by is told by [`Each`] with a mean of its own for each. Simulations
+    /// that are seen one after the other count as one.
     ///
     /// Too small where a quantity remembers longer than a sixteenth of the run, or where a part of the surface was not
     /// reached at all. variance/uncertainty² is the number of independent sights that would tell as much.

@@ -67,9 +67,8 @@ pub trait Observer<const D: usize> {
         None
     }
     /// Called with λ of a position equation, in every step of a simulation, also in one that fails at its end unless
-    /// steps may be divided. A step that is divided, at
-    /// [impacts](crate::run::simulation::Simulation::collide) say, tells of its parts in turn. Not called in ensembles;
-    /// see [`Sight::multipliers`].
+    /// steps may be divided. A step that is divided, at [impacts](crate::run::simulation::Simulation::collide) say,
+    /// tells of its parts in turn. Not called in ensembles; see [`Sight::multipliers`].
     #[inline(always)]
     fn position_multiplier(&mut self, _equation: usize, _lambda: f64) {}
     /// Called with μ of a momentum equation, likewise.
