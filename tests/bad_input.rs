@@ -480,6 +480,16 @@ fn brownian_motion_has_no_velocities_to_choose_by() {
 }
 
 #[test]
+fn a_kind_that_is_no_number_of_a_kind_is_refused() {
+    for kind in [1024, 4_000_000_000, usize::MAX] {
+        let mixed = Kinds::mixed([0, kind], |_, _| Wca { epsilon: 1.0, sigma: 1.0 });
+        let two = State::of([[0.0; 3], [2.0, 0.0, 0.0]]);
+        let told = Scene::points(2).with(mixed).simulate(two, Rattle::new(0.01)).unwrap_err().to_string();
+        assert!(told.contains(&kind.to_string()) && told.contains("1024"), "{told}");
+    }
+}
+
+#[test]
 fn a_parameter_that_is_nan_is_told_by_its_name() {
     let named = |result: Result<(), Error>| match result.unwrap_err() {
         Error::NanParameter { formula, parameter } => format!("{formula}.{parameter}"),

@@ -95,3 +95,54 @@ fn starts_are_as_near_there_as_elsewhere() {
         }
     }
 }
+
+constraint! {
+    /// Tubes around the x axis, one inside the other.
+    struct Tubes { k }
+    |x, y, z| sin(k * (sqrt(y^2 + z^2) - 1)) + 0 * x
+}
+
+constraint! {
+    /// The same around the origin.
+    struct Rings { k }
+    |x, y| sin(k * (sqrt(x^2 + y^2) - 1))
+}
+
+/// A step that ends on another tube is refused, also where x is so large that its rounding is as much as tubes are
+/// apart; in lanes as well.
+#[test]
+fn other_sheets_are_told_from_rounding_far_along() {
+    for x in [0.0, 1e6, 1e8] {
+        let start = State::at([x, 1.0, 0.0]).moving([1.0, 0.0, 1.0]);
+        let scene = Scene::on(Tubes { k: 1e5 });
+        let told = scene.simulate(start.clone(), Lobatto::<2>::new(0.2)).unwrap().run(200).unwrap_err();
+        assert!(told.to_string().contains("beside the sheet"), "x = {x:e}: {told}");
+        let mut lanes = scene.ensemble(vec![start; 3], Lobatto::<2>::new(0.2)).unwrap();
+        lanes.run(200);
+        assert_eq!(lanes.failures().count(), 3, "x = {x:e}");
+    }
+}
+
+#[test]
+fn other_sheets_are_told_from_rounding_in_single_precision() {
+    let start = State::at([0.0, 1.0, 0.0]).moving([1.0, 0.0, 1.0]);
+    let scene = Scene::on(Tubes { k: 1e4 });
+    let mut lanes = scene.ensemble_in(Single, vec![start; 16], Lobatto::<2>::new(0.2663)).unwrap();
+    assert_eq!(lanes.plan().in_lanes, 16);
+    lanes.run(60);
+    for i in 0..16 {
+        let [_, y, z] = lanes.state(i).positions().next().unwrap().into();
+        assert!((y.hypot(z) - 1.0).abs() < 1e-4, "{}", y.hypot(z)); // tubes are 6e-4 apart
+    }
+}
+
+/// A body that is linked to nothing, however far away, is no measure for others.
+#[test]
+fn other_sheets_are_told_from_the_rounding_of_others() {
+    for x in [0.0, 1e8] {
+        let start = State::of([[1.0, 0.0], [x, 3.0]]).with_momenta([[0.0, 1.0], [0.0, 0.0]]);
+        let scene = Scene::points(2).link(Rings { k: 1e5 }, [[0]]);
+        let told = scene.simulate(start, Lobatto::<2>::new(0.2)).unwrap().run(200).unwrap_err();
+        assert!(told.to_string().contains("beside the sheet"), "x = {x:e}: {told}");
+    }
+}

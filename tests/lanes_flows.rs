@@ -585,7 +585,10 @@ fn plans() {
     assert_eq!(of(&ring().with(HEAT), Lobatto::<3>::new(0.01)), Some(NotInLanes::Flows));
     assert_eq!(of(&ring(), Lobatto::<3>::new(0.01)), None);
     assert!(matches!(of(&ring(), Bdf2::new(0.01)), Some(NotInLanes::Method(_))));
-    assert_eq!(of(&ring(), Rattle::new(1e-16)), Some(NotInLanes::ShortSteps(1e-16)));
+    assert_eq!(of(&ring(), Rattle::new(1e-16)), None);
+    assert_eq!(of(&ring(), Rattle::new(1e-101)), Some(NotInLanes::ShortSteps(1e-101)));
+    let single = ring().ensemble_in(Single, (0..5).map(start), Rattle::new(1e-16)).unwrap();
+    assert_eq!(single.plan().reason, Some(NotInLanes::ShortSteps(1e-16)));
     let top = Scene::rigid(rattle::rigid::Rigid::new([1.0, 2.0, 2.5])).with(LinearDrag::new(1.0));
     let start = State::of([[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]]);
     assert_eq!(top.ensemble([start], Rattle::new(0.01)).unwrap().plan().reason, None);

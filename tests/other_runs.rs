@@ -2,7 +2,7 @@
 //! origin it is; what differs by rounding alone is taken, and so are files that were written before so much was told.
 
 use rattle::checkpoint::{Checkpoint, Data, Record, encode};
-use rattle::effect::{Langevin, LinearDrag};
+use rattle::effect::{Langevin, LinearDrag, VelocityRescaling};
 use rattle::links::planar::Rod;
 use rattle::potentials::planar::{Spring, gravitation};
 use rattle::prelude::*;
@@ -280,6 +280,70 @@ fn when_flows_act_is_a_part_of_the_method() {
     let mut middle = ball.ensemble(start(), Baoab::new(0.01)).unwrap();
     other(&mut around, &mut middle);
     other(&mut middle, &mut around);
+}
+
+phase_constraint! {
+    /// The three-sphere, with positions in units of a.
+    struct Hopf { a }
+    |q: [f64; 2], p: [f64; 2]| dot(q, q) / a^2 + dot(p, p) - 1
+}
+
+hamiltonian! {
+    struct Steep { a, b, g }
+    |q: [f64; 2], p: [f64; 2]| a * (dot(p, p) / 2 + b * dot(p, p)^3) + g * q[1]
+}
+
+/// Momenta decide what is compared in phase space, in lanes as in a simulation.
+#[test]
+fn hamiltonians_are_told_apart_where_momenta_are() {
+    for a in [1.0, 1e-10] {
+        let scene = |b, g| Scene::in_phase_space(Hopf { a }, Steep { a, b, g });
+        let start =
+            |b, g| scene(b, g).project(&State::at([-0.55 * a, -0.83 * a]).moving([0.03, 0.02])).unwrap();
+        let run = |b, g| {
+            let ensemble = scene(b, g).ensemble(vec![start(b, g); 3], Rattle::new(0.01)).unwrap();
+            assert_eq!(ensemble.plan().in_lanes, 3);
+            Box::new(ensemble) as Box<dyn Checkpoint>
+        };
+        refused(&|b| run(b, 0.3), [0.1, 0.2], "");
+        refused(&|g| run(0.1, g), [0.3, 0.4], "");
+    }
+}
+
+/// In seconds, where a thousandth is ages: nothing is left there of velocities, whatever the rate.
+#[test]
+fn fast_flows_are_told_apart_by_what_they_do_in_a_step() {
+    let heat = 4e-21;
+    let langevin = |friction| Langevin { friction, temperature: heat, seed: 1 };
+    let rescaling = |time| VelocityRescaling { time, temperature: heat, seed: 1 };
+    let drag = |rate| LinearDrag::new(6.6e-26 * rate);
+    macro_rules! told {
+        ($flow:expr, $parameters:expr) => {{
+            let points = |x| Scene::points::<3>(2).mass(6.6e-26).with($flow(x));
+            let start = || State::of([[0.0; 3], [4e-10, 0.0, 0.0]]).with_momenta([[1e-23, 0.0, 2e-23]; 2]);
+            refused(
+                &|x| Box::new(points(x).simulate(start(), Baoab::new(1e-15)).unwrap()),
+                $parameters,
+                "flow 0",
+            );
+            let rod = |x| points(x).link(rattle::links::Rod { length: 4e-10 }, [[0, 1]]);
+            let rods = |x| {
+                let ensemble = rod(x).ensemble(vec![start(); 3], Rattle::new(1e-15)).unwrap();
+                assert_eq!(ensemble.plan().in_lanes, 3);
+                Box::new(ensemble) as Box<dyn Checkpoint>
+            };
+            refused(&rods, $parameters, "flow 0");
+        }};
+    }
+    told!(langevin, [1e12, 5e12]);
+    told!(rescaling, [1e-12, 2e-12]);
+    told!(drag, [1e12, 5e12]);
+    let ball = |rate| {
+        let scene = Scene::on(Sphere { r: 1e-10 }).mass(6.6e-26).with(drag(rate));
+        let start = State::at([1e-10, 0.0, 0.0]).moving([0.0, 1e-23, 0.0]);
+        Box::new(scene.ensemble(vec![start; 3], Rattle::new(1e-15)).unwrap()) as Box<dyn Checkpoint>
+    };
+    refused(&ball, [1e12, 5e12], "flow 0");
 }
 
 /// Records are made by hand, too: lists that are shorter or longer than their shapes are refused, one by one.

@@ -147,3 +147,47 @@ fn starts_are_held_to_it() {
         assert!(found.abs() < 1e-16, "p = {p:e}: {found:e}");
     }
 }
+
+phase_constraint! {
+    /// The three-sphere of two of three coordinates and their momenta; the third is free.
+    struct Beside {}
+    |q: [f64; 3], p: [f64; 3]| q[1]^2 + q[2]^2 + p[1]^2 + p[2]^2 - 1 + 0 * q[0] + 0 * p[0]
+}
+hamiltonian! {
+    /// Weight.
+    struct Heavy { g }
+    |q: [f64; 3], p: [f64; 3]| dot(p, p) / 2 + g * q[2]
+}
+
+/// What a constraint does not know is no measure of its rounding, however large: in simulations and in lanes.
+#[test]
+fn free_coordinates_may_be_as_large_as_they_like() {
+    let scene = Scene::in_phase_space(Beside {}, Heavy { g: 0.3 });
+    let start = |q: f64, p: f64| {
+        let start = State::at([0.0, -0.55, -0.83]).moving([0.0, 0.03, 0.02]);
+        let start = scene.project(&start).unwrap();
+        let ([_, a, b], [_, c, d]): ([f64; 3], [f64; 3]) =
+            (start.positions().next().unwrap().into(), start.momenta().next().unwrap().into());
+        State::at([q, a, b]).moving([p, c, d])
+    };
+    let end = |state: &State<3>| {
+        let (q, p) = (state.positions().next().unwrap(), state.momenta().next().unwrap());
+        [q[1], q[2], p[1], p[2]]
+    };
+    let run = |q: f64, p: f64| {
+        let mut alone = scene.simulate(start(q, p), Rattle::new(0.05)).unwrap();
+        let mut hidden = 0.0_f64;
+        alone.run_with(40, |now| hidden = hidden.max(now.cotangent_residual())).unwrap();
+        assert!(hidden < 4e-16, "q₀ = {q:e}, p₀ = {p:e}: {hidden:e}");
+        let mut lanes = scene.ensemble(vec![start(q, p); 3], Rattle::new(0.05)).unwrap();
+        lanes.run(40);
+        assert_eq!((lanes.plan().in_lanes, lanes.failures().count()), (3, 0));
+        [end(&alone.state()), end(&lanes.state(1))]
+    };
+    let [exact, _] = run(0.0, 0.0);
+    for (q, p) in [(0.0, 1e4), (0.0, 1e8), (0.0, 1e10), (1e10, 0.0)] {
+        for found in run(q, p) {
+            assert!(apart(found, exact) < 1e-14, "q₀ = {q:e}, p₀ = {p:e}: {:e}", apart(found, exact));
+        }
+    }
+}

@@ -50,3 +50,5 @@ mod lanes_taylor_rigid;
 mod sweeps_linked;
 #[path = "../sweeps_rigid.rs"]
 mod sweeps_rigid;
+#[path = "../units.rs"]
+mod units;

@@ -7,8 +7,8 @@ pub(crate) fn halves(seed: u64) -> [f64; 2] {
     [(seed >> 32) as f64, (seed & 0xFFFF_FFFF) as f64]
 }
 
-/// The source of random numbers: a function of a seed and of *when* they are drawn. So they are the same for any number
-/// of threads, with any other trajectories, and after a restart.
+/// The source of random numbers: a function of a seed, of the number of the trajectory and of *when* they are drawn. So
+/// they are the same for any number of threads, with any other trajectories, and after a restart.
 ///
 /// ```text
 /// words = Philox4x64-10(key = (seed, 0), counter = (trajectory, step, effect, draw))

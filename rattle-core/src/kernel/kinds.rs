@@ -31,6 +31,9 @@ pub struct Kinds<P> {
     pub(crate) table: Vec<P>,
 }
 
+/// A number of kinds that is larger is taken for a mistake, such as −1 as a `usize`: the table grows with its square.
+const MOST_KINDS: usize = 1024;
+
 impl<P> Kinds<P> {
     /// Bodies of these kinds, counted from 0, and the potentials between kinds (0, 0), (1, 0), (1, 1), (2, 0), (2, 1),
     /// (2, 2), … in one list: k (k + 1)/2 of them for k kinds. [`mixed`](Self::mixed) makes them by a rule.
@@ -42,13 +45,13 @@ impl<P> Kinds<P> {
     }
 
     /// Bodies of these kinds, counted from 0, and the potential `between(a, b)` for every two kinds b ≤ a, such as a
-    /// mixing rule.
+    /// mixing rule. There are at most 1024 kinds: a larger number is an error when a run is set up.
     pub fn mixed(
         kind_of_each: impl IntoIterator<Item = usize>,
         mut between: impl FnMut(usize, usize) -> P,
     ) -> Self {
         let of: Vec<usize> = kind_of_each.into_iter().collect();
-        let kinds = of.iter().max().map_or(0, |last| last + 1);
+        let kinds = of.iter().max().map_or(0, |&last| last.min(MOST_KINDS - 1) + 1);
         let table = (0..kinds).flat_map(|a| (0..=a).map(move |b| (a, b))).map(|(a, b)| between(a, b));
         Self { table: table.collect(), of }
     }

@@ -202,7 +202,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// What tells this run from another.
     fn hallmarks(&self, looks: &Looks<D>, time: f64) -> Vec<Hallmark> {
         let mut marks = vec![of_method(&self.method), of_options(&self.options())];
-        marks.extend(of_system(&self.system, looks, time));
+        marks.extend(of_system(&self.system, looks, time, self.method.step_size()));
         marks
     }
 }

@@ -88,25 +88,32 @@ fn rounded<const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Body<f64, D>> {
 pub(in crate::run) struct Looks<const D: usize> {
     near: Vec<Body<f64, D>>,
     at: Vec<Body<f64, D>>,
+    /// The bodies, with their momenta.
+    moving: Vec<Body<f64, D>>,
 }
 
 impl<const D: usize> Looks<D> {
     /// Of these bodies.
     pub(in crate::run) fn of(bodies: &[Body<f64, D>]) -> Self {
-        Self { near: beside(bodies), at: bodies.to_vec() }
+        Self { near: beside(bodies), at: bodies.to_vec(), moving: bodies.to_vec() }
     }
 
     /// Of bodies in lanes, without their momenta: these run ahead there by a kick, so that another force would be told
     /// as other masses.
-    pub(in crate::run) fn in_lanes(mut bodies: Vec<Body<f64, D>>) -> Self {
+    pub(in crate::run) fn in_lanes(bodies: Vec<Body<f64, D>>) -> Self {
         let zero = [0.0; D];
-        bodies.iter_mut().for_each(|body| (body.p, body.p_low) = (zero, zero));
-        Self::of(&bodies)
+        let at_rest: Vec<_> = bodies.iter().map(|body| Body { p: zero, p_low: zero, ..*body }).collect();
+        Self { moving: bodies, ..Self::of(&at_rest) }
+    }
+
+    /// The same with their momenta.
+    pub(in crate::run) fn in_motion(&self) -> Self {
+        Self::of(&self.moving)
     }
 
     /// The same but for some roundings. What these make of a number is what other machines may.
     pub(in crate::run) fn rounded(&self) -> Self {
-        Self { near: rounded(&self.near), at: rounded(&self.at) }
+        Self { near: rounded(&self.near), at: rounded(&self.at), moving: rounded(&self.moving) }
     }
 
     /// The position of the first body beside its place, and there.
@@ -130,11 +137,12 @@ fn drawn_together<const D: usize>(bodies: &[Body<f64, D>], part: f64) -> Vec<[f6
     places
 }
 
-/// The parts of a system, asked there at this time.
+/// The parts of a system, asked there at this time; its flows also as they act in a step of h.
 pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     system: &Y,
-    Looks { near, at }: &Looks<D>,
+    Looks { near, at, .. }: &Looks<D>,
     time: f64,
+    h: f64,
 ) -> Vec<Hallmark> {
     let n = near.len();
     let later = time + BESIDE * time.abs().max(1.0);
@@ -175,18 +183,24 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
         bodies.marks = system.first_marks(&bodies).unwrap_or_default();
     }
     let silent = Y::REMEMBERS && bodies.marks.is_empty(); // of effects that cannot act beside the places
+    let mut in_a_step = Vec::new();
     for number in 0..if silent { 0 } else { Y::FLOWS } {
         let (manner, name) = system.effects().manner(number);
-        let noise = Noise { effect: number as u64, ..Noise::default() };
-        let (velocities, rates, holding) = (&velocities[..], &momenta[..], &momenta[..]);
-        let given = Given { velocities, rates, holding, coming: rates, ..Given::of(BESIDE, true, noise) };
-        let mut changes = vec![[0.0; D]; n];
-        system.flow(number, given, &mut bodies, &mut changes);
         let name = format!("{} ({manner})", short_name(name));
-        marks.push(Hallmark::new(format!("flow {number}"), name, changes.as_flattened().to_vec()));
+        let mut acting = |during: f64| {
+            let noise = Noise { effect: number as u64, ..Noise::default() };
+            let (velocities, rates, holding) = (&velocities[..], &momenta[..], &momenta[..]);
+            let given = Given { velocities, rates, holding, coming: rates, ..Given::of(during, true, noise) };
+            let mut changes = vec![[0.0; D]; n];
+            system.flow(number, given, &mut bodies, &mut changes);
+            changes.as_flattened().to_vec()
+        };
+        marks.push(Hallmark::new(format!("flow {number}"), name.clone(), acting(BESIDE)));
+        in_a_step.push(told_in_a_step(Hallmark::new(format!("flow {number}"), name, acting(h.abs()))));
     }
     marks.extend((0..Y::FLOWS).filter_map(|number| of_flow(number, system.effects())));
     marks.extend(at_places(system, near, at, later));
+    marks.extend(in_a_step);
     marks
 }
 
@@ -225,6 +239,16 @@ pub(in crate::run) fn told_at_places(mark: Hallmark) -> Hallmark {
     Hallmark { part: format!("{} at its places", mark.part), ..mark }.later()
 }
 
+/// The same of bodies with their momenta.
+pub(in crate::run) fn told_in_motion(mark: Hallmark) -> Hallmark {
+    Hallmark { part: format!("{} in motion", mark.part), ..mark }.later()
+}
+
+/// The same of a flow in a step, which tells rates from others that are too fast to be told after [`BESIDE`].
+pub(in crate::run) fn told_in_a_step(mark: Hallmark) -> Hallmark {
+    Hallmark { part: format!("{} in a step", mark.part), ..mark }.later()
+}
+
 /// The parameters of a flow that its changes of momenta need not show, if it names some.
 pub(in crate::run) fn of_flow<T: Real, const D: usize>(
     number: usize,
@@ -235,12 +259,14 @@ pub(in crate::run) fn of_flow<T: Real, const D: usize>(
     (!parameters.is_empty()).then(|| Hallmark::of_parameters(part, name, parameters))
 }
 
-/// As [`of_system`], of a lane. In phase space H decides what velocities are, and comes before them.
+/// As [`of_system`], of a lane that takes steps of h. In phase space H decides what velocities are, and comes before
+/// them.
 pub(in crate::run) fn of_lane<Y: System<f64, D>, const D: usize>(
     system: &Y,
     looks: &Looks<D>,
+    h: f64,
 ) -> Vec<Hallmark> {
-    let mut marks = of_system(system, looks, 0.0);
+    let mut marks = of_system(system, looks, 0.0, h);
     if system.rates().is_err() {
         let masses = marks.remove(1);
         marks.insert(2, masses);

@@ -12,7 +12,7 @@
 //! crosses between two samplings, are not found.
 
 use crate::kernel::functions::ConstraintKernel;
-use crate::number::real::Scalar;
+use crate::number::real::{Real, Scalar};
 use crate::number::vector::{add_scaled, dot};
 
 /// After so many steps it is asked again.
@@ -24,7 +24,12 @@ pub(crate) const EVERY_ALONE: u64 = 16;
 
 /// Who goes to a place is there within so many roundings of the size of places, or of the way: the rounding of g may be
 /// some thousand of that of places.
-pub(crate) const THERE: f64 = 65536.0;
+const THERE: f64 = 65536.0;
+
+/// Within which part of the size of places who goes to one is there; half of the digits tell of other sheets.
+pub(crate) fn there<T: Real>() -> f64 {
+    (THERE * T::EPSILON).min(T::EPSILON.sqrt())
+}
 
 /// At so many places it is asked at first, and again.
 const AT_FIRST: u64 = 48;

@@ -36,8 +36,9 @@ pub enum NotInLanes {
     /// The method has no form in lanes, or none for bodies of this kind. The name of the method.
     #[error("`{0}` has no form in lanes for these bodies")]
     Method(&'static str),
-    /// Steps or stages are so short that momenta times their length lose digits. The step size.
-    #[error("steps of {0:e}, or their stages, are too short for lanes")]
+    /// Steps or stages are shorter than [`Precision::SHORTEST`](crate::run::ensemble::Precision::SHORTEST). The step
+    /// size.
+    #[error("steps of {0:e}, or their stages, are too short for lanes, where their squares vanish")]
     ShortSteps(f64),
     /// An effect needs working memory or a memory of its own, or is a force that changes with time. The name of its
     /// type.

@@ -14,7 +14,6 @@ use crate::number::instructions::{Fusing, InstructionSet};
 use crate::number::lanes::{Lane, Lanes};
 use crate::number::vectors::{LANES, MOST_COORDINATES};
 use crate::run::ensemble::apart::NotInLanes;
-use crate::run::ensemble::block::SHORT;
 use crate::run::ensemble::collocation_lanes::CollocationLanes;
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::{Each, Laws, Same};
@@ -53,12 +52,12 @@ pub(super) struct HowInLanes {
 }
 
 impl HowInLanes {
-    /// By this method with this instruction set.
+    /// By this method, of which no step or stage may be shorter than this, with this instruction set.
     ///
     /// # Errors
     /// Where the instructions do not fuse, steps are too short, or the method is neither a splitting nor a collocation,
     /// nor one of those whose steps are projected.
-    pub(super) fn of<S: Method>(method: &S, set: InstructionSet) -> Result<Self, NotInLanes> {
+    pub(super) fn of<S: Method>(method: &S, shortest: f64, set: InstructionSet) -> Result<Self, NotInLanes> {
         let fusing = Fusing::of(set).ok_or(NotInLanes::Instructions(set))?;
         let (stages, h, set) = (method.stages(), method.step_size(), fusing);
         let goes = match S::SPLITTING {
@@ -69,7 +68,8 @@ impl HowInLanes {
         if !goes {
             return Err(NotInLanes::Method(method.name()));
         }
-        if !is_long(h, &stages) {
+        let is_long = |h: f64| h.abs() >= shortest;
+        if !(is_long(h) && stages.iter().all(|stage| is_long(stage.h))) {
             return Err(NotInLanes::ShortSteps(h));
         }
         let (order, tolerance, stirs_after) = (method.order(), method.tolerance(), method.stirs_after());
@@ -97,11 +97,6 @@ impl HowInLanes {
         let Self { order, h, tolerance, .. } = *self;
         tolerance.map_or(Taylor::new(order, h), |tolerance| Taylor::adaptive(order, h, tolerance))
     }
-}
-
-/// Whether a step and its stages are long enough.
-fn is_long(h: f64, stages: &[Stage]) -> bool {
-    h.abs() >= SHORT && stages.iter().all(|stage| stage.h.abs() >= SHORT)
 }
 
 /// Whether constraints are of a kind that the method moves in rows: a splitting, one that draws momenta anew, or, of

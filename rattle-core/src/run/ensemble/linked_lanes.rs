@@ -292,6 +292,7 @@ where
         let multipliers: Vec<_> = multipliers.collect();
 
         let mut put = |place: usize, x: f64| self.numbers[place].0[lane] = Fused(x);
+        let share = Part::longest(parts);
         let coordinates = places.iter().flat_map(|body| (0..D).map(move |d| (body, d)));
         let (mut path, mut longest, mut off, mut sizes) =
             (0.0_f64, 0.0_f64, 0.0_f64, vec![0.0; plan.coordinates]);
@@ -318,8 +319,8 @@ where
             }
             path = path.max((part.h * over * body.p[d]).abs());
             off = off.max(back[c].abs());
-            longest = longest.max((h * body.p[d] - left).abs());
-            sizes[c] = body.q[d].abs().max((h * body.p[d] - left).abs());
+            let way = share * (h * body.p[d] - left).abs();
+            (longest, sizes[c]) = (longest.max(way), body.q[d].abs().max(way));
         }
         let mut along = vec![0.0; plan.equations];
         for (&[c, i], x) in plan.of_entry.iter().zip(&entries) {
@@ -470,7 +471,7 @@ where
     }
 
     fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark> {
-        of_lane(self.system(lane), looks)
+        of_lane(self.system(lane), looks, self.step_size())
     }
 
     fn method(&self) -> Hallmark {

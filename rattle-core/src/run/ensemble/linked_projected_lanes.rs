@@ -362,7 +362,7 @@ where
     }
 
     fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark> {
-        of_lane(self.system(lane), looks)
+        of_lane(self.system(lane), looks, self.step_size())
     }
 
     fn method(&self) -> Hallmark {

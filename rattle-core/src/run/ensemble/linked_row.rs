@@ -348,7 +348,7 @@ impl<const W: usize> Course<'_, W> {
     /// What |g| may be at rest, by the gradients just evaluated.
     #[inline(always)]
     pub(super) fn rest(&self, numbers: &mut [Numbers<W>]) {
-        let Self { plan, .. } = *self;
+        let (plan, share) = (self.plan, Fused(Part::longest(self.parts)));
         let Places { q, way, gradient, rest, x, lambda, .. } = plan.places;
         let (lengths, sizes) = (x, lambda); // which nothing reads before they are written again
         for i in 0..plan.equations {
@@ -357,15 +357,15 @@ impl<const W: usize> Course<'_, W> {
         let mut path: Numbers<W> = zeros();
         for coordinate in 0..plan.coordinates {
             let ways = &numbers[way + coordinate];
-            path.0.iter_mut().zip(&ways.0).for_each(|(most, way)| *most = most.max(way.abs()));
+            path.0.iter_mut().zip(&ways.0).for_each(|(most, way)| *most = most.max(share * way.abs()));
         }
         for (entry, &[coordinate, i]) in plan.of_entry.iter().enumerate() {
             each(lengths + i, [lengths + i, gradient + entry], numbers, |[most, x]| most.max(x.abs()));
             let of = [sizes + i, q + coordinate, way + coordinate];
-            each(sizes + i, of, numbers, |[most, q, way]| most.max(q.abs()).max(way.abs()));
+            each(sizes + i, of, numbers, |[most, q, way]| most.max(q.abs()).max(share * way.abs()));
             let of = [rest + i, gradient + entry, q + coordinate, way + coordinate];
             each(rest + i, of, numbers, |[along, x, q, way]| {
-                x.abs().multiply_add(q.abs().max(way.abs()), along)
+                x.abs().multiply_add(q.abs().max(share * way.abs()), along)
             });
         }
         for i in 0..plan.equations {

@@ -61,7 +61,7 @@ pub(super) fn rates<const D: usize, const M: usize>(
     steepest(laws, l, place, gradients, energy).map(|[q, p]| dot(&q, &energy_p) - dot(&p, &energy_q))
 }
 
-/// {gᵢ, H}, its size and N.
+/// {gᵢ, H}, its size and extent, and N.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what it is made of, and what is found")]
 pub(super) fn hidden<const D: usize, const M: usize>(
@@ -72,10 +72,12 @@ pub(super) fn hidden<const D: usize, const M: usize>(
     reach: &Points<D>,
     slopes: &mut Matrix<M>,
     value: &mut [Each; M],
-    size: &mut [Each; M],
+    [size, extent]: [&mut [Each; M]; 2],
 ) {
+    let zero = Number::from_f64(0.0);
     for l in 0..ROW {
-        let (most_q, most_p) = ([largest(&at(&reach.q, l)); D], [largest(&at(&reach.p, l)); D]);
+        let (reach_q, reach_p) = (at(&reach.q, l), at(&reach.p, l));
+        let (most_q, most_p) = (largest(&reach_q), largest(&reach_p));
         let [energy_q, energy_p] = [at(&energy.q, l), at(&energy.p, l)];
         let steepest = steepest(laws, l, place, gradients, energy);
         let gradients: [_; M] = from_fn(|i| [at(&gradients[i].q, l), at(&gradients[i].p, l)]);
@@ -85,7 +87,15 @@ pub(super) fn hidden<const D: usize, const M: usize>(
                 let [by_q, by_p] = &gradients[j];
                 slopes[i][j][l] = dot(p, by_q) - dot(q, by_p);
             }
-            size[i][l] = dot(&q.map(|x| x.abs()), &most_q) + dot(&p.map(|x| x.abs()), &most_p);
+            let (mut known, mut terms) = ([zero; 2], [zero; 2]);
+            for d in 0..D {
+                for (k, (x, reach)) in [(q[d], reach_q[d]), (p[d], reach_p[d])].into_iter().enumerate() {
+                    known[k] = known[k].max(Number::select(x == zero, zero, reach));
+                    terms[k] = terms[k] + x.abs();
+                }
+            }
+            size[i][l] = terms[0].multiply_add(known[0], terms[1] * known[1]);
+            extent[i][l] = terms[0].multiply_add(most_q, terms[1] * most_p);
             value[i][l] = dot(&gradients[i][0], &energy_p) - dot(&gradients[i][1], &energy_q);
         }
     }

@@ -210,6 +210,7 @@ fn settle<const D: usize, const M: usize>(laws: &impl Laws<D, M>, scratch: &mut 
         reach,
         value,
         size,
+        extent,
         gradients,
         energy,
         slopes,
@@ -236,8 +237,8 @@ fn settle<const D: usize, const M: usize>(laws: &impl Laws<D, M>, scratch: &mut 
             directions(gradients, &mut slide.directions[0]);
             slide.begin();
         }
-        hidden(laws, place, gradients, energy, reach, slopes, value, size);
-        if !decide(number, value, size, size, roundings, going) {
+        hidden(laws, place, gradients, energy, reach, slopes, value, [size, extent]);
+        if !decide(number, value, size, extent, roundings, going) {
             break;
         }
         correct(value, slopes, correction, going, sigma, corrected);

@@ -36,6 +36,8 @@ pub struct Single;
 pub trait Precision: Copy {
     /// The largest finite number.
     const MOST: f64;
+    /// The shortest step, and stage of one, of which squares keep clear of the smallest numbers.
+    const SHORTEST: f64;
 
     /// Runs `work` with this number format.
     #[doc(hidden)]
@@ -52,9 +54,10 @@ pub trait InNumbers {
 }
 
 macro_rules! precision {
-    ($($name:ident: $float:ident, $sums:literal;)*) => {$(
+    ($($name:ident: $float:ident, $sums:literal, $shortest:literal;)*) => {$(
         impl Precision for $name {
             const MOST: f64 = $float::MAX as f64;
+            const SHORTEST: f64 = $shortest;
 
             fn compute<W: InNumbers>(work: W) -> W::Done {
                 work.compute::<Fused<$float>, $sums>()
@@ -63,7 +66,7 @@ macro_rules! precision {
     )*};
 }
 precision! {
-    Double: f64, 0;
-    Compensated: f64, 1;
-    Single: f32, 0;
+    Double: f64, 0, 1e-100;
+    Compensated: f64, 1, 1e-100;
+    Single: f32, 0, 1e-15;
 }

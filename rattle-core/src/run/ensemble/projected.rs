@@ -35,7 +35,7 @@ use crate::run::ensemble::projected_row::{Place, Row, Scratch};
 use crate::run::ensemble::row::{BY_ITSELF, pull};
 use crate::run::ensemble::taylor_row::ROUNDINGS_OF_SERIES;
 use crate::solve::aim::{BOLD, ROUNDINGS};
-use crate::solve::stop::{NOISE, TERMS};
+use crate::solve::stop::{NOISE, TERMS, size_along};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use std::borrow::Borrow;
 
@@ -315,7 +315,12 @@ fn look<S: Lane, X: Laws<S, D>, const L: usize, const D: usize>(
         let size = largest(&from[0]).max(largest(&q));
         let path = scaled(half * inner[l], &sum(&from[1], &p));
         let off = add_scaled(&way, S::from_f64(-1.0), &path);
-        let (strayed, plain) = follows(laws, l, inner[l], from, [way, p, normal, pull], size);
+        let mut places = q;
+        for d in 0..D {
+            places[d] = q[d].abs().max(from[0][d].abs());
+        }
+        let along = size_along(&normal, dot(&normal, &normal).sqrt(), &places);
+        let (strayed, plain) = follows(laws, l, inner[l], from, [way, p, normal, pull], along);
         let short = dot(&off, &off).le(bold * bold * dot(&path, &path)) | strayed.le(rounding * size);
         let upright = zero.lt(dot(&at(&now.normal, l), &normal));
         let numbers = (dot(&p, &p) + dot(&pull, &pull)).le(most);

@@ -18,7 +18,7 @@ use crate::number::lanes::{Fused, Lane};
 use crate::number::vector::dot;
 use crate::number::vectors::{Vectors, at};
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
-use crate::run::ensemble::block::{Block, OfLane, Part, Scratch, is_finite};
+use crate::run::ensemble::block::{Block, Desk, OfLane, Part, Scratch, is_finite};
 use crate::run::ensemble::crossing::crossings;
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::laws::{Laws, system_of};
@@ -194,13 +194,6 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
     Ok((out_of_lanes(&bodies.all()), 0.0))
 }
 
-/// What a thread works on, at a place of the same kind each time.
-#[repr(C, align(4096))]
-struct Desk<S, const L: usize, const D: usize, const SUMS: usize> {
-    block: Block<S, L, D, SUMS, false>,
-    scratch: Scratch<S, L, D>,
-}
-
 /// A block on a tour.
 struct Going<'a, S, X, const L: usize, const D: usize, const SUMS: usize> {
     lanes: &'a RenewedLanes<S, X, L, D, SUMS>,
@@ -218,8 +211,8 @@ where
     fn run(self) -> Self::Done {
         let Self { lanes, tour } = self;
         let laws = lanes.laws.clone(); // out of reach of what the loops write
-        let mut desk = Desk { block: lanes.block.clone(), scratch: Scratch::new() };
-        let Desk { block, scratch } = &mut desk;
+        let mut desk = Desk::of(lanes.block.clone());
+        let Desk { block, scratch, .. } = &mut desk;
         let mut limits = lanes.limits.clone();
         let mut steps_of = Stepping { lanes, laws: &laws, block, scratch, limits: &mut limits };
         while let Some(Leg { from, steps, written, .. }) = tour.next() {

@@ -271,7 +271,7 @@ impl<M: ProjectsRigid, Y: System<f64, D>, const D: usize> Engine<D> for RigidPro
     }
 
     fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark> {
-        of_lane(self.system(lane), looks)
+        of_lane(self.system(lane), looks, self.step_size())
     }
 
     fn method(&self) -> Hallmark {

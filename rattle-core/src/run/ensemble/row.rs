@@ -5,11 +5,12 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::Body;
 use crate::motion::table::Table;
 use crate::number::lanes::Lane;
-use crate::number::vector::{add_scaled, dot, largest};
+use crate::number::vector::{add_scaled, dot};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::inside::follows;
 use crate::run::ensemble::lane_record::{InRows, Rows};
 use crate::run::ensemble::laws::Laws;
+use crate::solve::stop::size_along;
 use std::array::from_fn;
 use std::borrow::Borrow;
 
@@ -243,7 +244,8 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>
         lambda[lane] = multiplier;
         let from = [&self.q, &self.p, &self.total[N - 1]].map(|x| at(x, lane));
         let way = add_scaled(&to.q, S::from_f64(-1.0), &from[0]);
-        let size = largest(&from[0]).max(largest(&to.q));
+        let places = from_fn(|d| to.q[d].abs().max(from[0][d].abs()));
+        let size = size_along(&gradient, dot(&gradient, &gradient).sqrt(), &places);
         let (strayed, plain) = follows(laws, lane, h, from, [way, to.p, gradient, pulled], size);
         strays[lane] = strayed;
         plain

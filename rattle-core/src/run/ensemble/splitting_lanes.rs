@@ -18,7 +18,7 @@ use crate::number::lanes::Lane;
 use crate::number::vector::add_scaled;
 use crate::number::vectors::at;
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
-use crate::run::ensemble::block::{Block, OfLane, Part, Scratch};
+use crate::run::ensemble::block::{Block, Desk, OfLane, Part};
 use crate::run::ensemble::crossing::{crossings, kink};
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::laws::{Laws, system_of};
@@ -77,14 +77,6 @@ struct Account {
     work: Vec<f64>,
     /// The work after which it is asked at once whether other sheets are near.
     limits: Vec<f64>,
-}
-
-/// What a thread works on. All in one place, at a place of the same kind each time: processors take numbers for the
-/// same whose addresses differ by a multiple of the alignment, and wait for one when they need the other.
-#[repr(C, align(4096))]
-struct Desk<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
-    block: Block<S, L, D, SUMS, EQUAL>,
-    scratch: Scratch<S, L, D>,
 }
 
 impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Engine<D>
@@ -494,7 +486,7 @@ where
         let Self { lanes: SplittingLanes { block, laws, stages, parts, stirring, account, set, .. }, tour } =
             self;
         let laws = laws.clone(); // out of reach of what the loops write
-        let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
+        let mut desk = Desk::of(block.clone());
         let (mut stirs, mut kept, mut every) = (None, account.clone(), EVERY);
         if const { X::Forces::FLOWS > 0 }
             && let Some(stirring) = stirring

@@ -25,7 +25,7 @@ use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::block::is_finite;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::rhythm::Rhythm;
-use crate::run::fingerprint::{BESIDE, of_flow};
+use crate::run::fingerprint::{BESIDE, of_flow, told_in_a_step};
 use crate::systems::surface::normal::Normal;
 use std::array::from_fn;
 use std::borrow::Borrow;
@@ -148,25 +148,29 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
     pub(super) fn hallmarks<X: Laws<S, D>>(&self, laws: &X, lane: usize, q: [S; D]) -> Vec<Hallmark> {
         let effects = laws.effects(lane);
         let (effects, time) = (effects.borrow(), self.rhythm.time);
-        let mark = |number: usize| {
-            let part = format!("flow {number}");
-            if let Some(of) = effects.ornstein_uhlenbeck(number, time) {
-                let [high, low] = halves(of.seed);
-                let numbers = vec![of.lost, of.variance, high, low];
-                return Hallmark::of_parameters(part, "friction and noise", numbers);
-            }
+        let ornstein = |number: usize| {
+            let of = effects.ornstein_uhlenbeck(number, time)?;
+            let [high, low] = halves(of.seed);
+            let numbers = vec![of.lost, of.variance, high, low];
+            Some(Hallmark::of_parameters(format!("flow {number}"), "friction and noise", numbers))
+        };
+        let asked = |number: usize, how_long: f64| {
             let (manner, name) = effects.manner(number);
             let [gradient] = laws.constraint(lane).borrow().jacobian(&q);
             let (noise, mut changes) = (Noise { effect: number as u64, ..Noise::default() }, [q]);
             let (at, normals) = ([q], [Normal::new(gradient)]);
             let normals = &&normals[..];
-            let during = interval(time, Half::Before, BESIDE, [&at, &at], normals, noise);
+            let during = interval(time, Half::Before, how_long, [&at, &at], normals, noise);
             laws.flow(lane, number, &during, &mut changes);
             let numbers = changes[0].map(S::to_f64).to_vec();
-            Hallmark::new(part, format!("{} ({manner})", short_name(name)), numbers)
+            Hallmark::new(format!("flow {number}"), format!("{} ({manner})", short_name(name)), numbers)
         };
+        let mark = |number| ornstein(number).unwrap_or_else(|| asked(number, BESIDE));
+        let in_a_step =
+            |number| ornstein(number).is_none().then(|| told_in_a_step(asked(number, time.abs())));
         let parameters = (0..X::Forces::FLOWS).filter_map(|number| of_flow(number, effects));
-        (0..X::Forces::FLOWS).map(mark).chain(parameters).collect()
+        let all = (0..X::Forces::FLOWS).map(mark).chain(parameters);
+        all.chain((0..X::Forces::FLOWS).filter_map(in_a_step)).collect()
     }
 
     /// Has all flows act in all lanes, for this half of a step after so many. Momenta are along the surface then.

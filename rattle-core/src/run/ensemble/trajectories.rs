@@ -97,7 +97,7 @@ impl<const D: usize> Ensemble<D> {
     ) -> Result<Self, Error> {
         let mut starts = starts.into_iter();
         let next = &mut || starts.next().map(|start| (scene, start));
-        Self::assembled(P::MOST, next, method, set, &|scenes, starts, lanes| {
+        Self::assembled([P::MOST, P::SHORTEST], next, method, set, &|scenes, starts, lanes| {
             if const { goes_as::<C, S, D>(Kind::Rigid) } {
                 let (scene, h) = (scenes[0], lanes.h);
                 let body = (&scene.constraint as &dyn Any).downcast_ref()?;
@@ -147,7 +147,7 @@ impl<const D: usize> Ensemble<D> {
     {
         let (mut trajectories, set) = (trajectories.into_iter(), InstructionSet::widest());
         let next = &mut || trajectories.next();
-        Self::assembled(P::MOST, next, method, set, &|scenes, starts, lanes| {
+        Self::assembled([P::MOST, P::SHORTEST], next, method, set, &|scenes, starts, lanes| {
             if const { goes_as::<C, S, D>(Kind::Rigid) } {
                 let body = |scene: &&'a Scene<C, E, N, D>| (&scene.constraint as &dyn Any).downcast_ref();
                 let bodies = scenes.iter().map(body).collect::<Option<Vec<_>>>()?;
@@ -178,7 +178,7 @@ impl<const D: usize> Ensemble<D> {
     /// other, where there are lanes for them.
     #[allow(clippy::type_complexity, reason = "said once")]
     fn assembled<'a, C: Hold<D> + 'a, E: Effects<D> + 'a, N: Count + 'a, S: Method>(
-        most: f64,
+        [most, shortest]: [f64; 2],
         next: &mut dyn FnMut() -> Option<(&'a Scene<C, E, N, D>, State<D>)>,
         method: S,
         set: InstructionSet,
@@ -186,7 +186,7 @@ impl<const D: usize> Ensemble<D> {
     ) -> Result<Self, Error> {
         let set = if set.is_present() { set } else { InstructionSet::Portable };
         let h = method.step_size();
-        let mut lanes = HowInLanes::of(&method, set);
+        let mut lanes = HowInLanes::of(&method, shortest, set);
         let (groups, first, plan) = (Vec::new(), Vec::new(), Plan::default());
         let mut ensemble = Self { groups, first, len: 0, plan, no_way_back: None, h, steps: 0, set };
         loop {
@@ -319,9 +319,11 @@ impl<const D: usize> Ensemble<D> {
     /// Takes `steps` steps, and shows each trajectory to an observer after every `every` steps (0
     /// counts as 1).
     ///
-    /// `new` makes an observer for each group of trajectories that are computed together; these observers are joined in
-    /// the order of the trajectories. A trajectory that has failed is not shown again. Steps beyond the last multiple
-    /// of `every` are taken and not shown. If an observer panics, groups of trajectories are left at different times.
+    /// `observer` makes an observer for each group of trajectories that are computed together; these are joined in the
+    /// order of the trajectories. It must make empty ones: what they hold already would count once for each group. To
+    /// go on with an observer of an earlier run, [`join`](Observer::join) the new one to it. A trajectory that has
+    /// failed is not shown again. Steps beyond the last multiple of `every` are taken and not shown. If an observer
+    /// panics, groups of trajectories are left at different times.
     ///
     /// Where an observer fails, such as a recorder whose disk is full, the run ends within 8192 steps, with all
     /// trajectories at the same [`steps`](Self::steps). The recorder's `finish` says why, and the ensemble can be run

@@ -23,7 +23,7 @@ const MOST_BINS: usize = 1 << 27;
 
 impl<Q> Histogram<Q> {
     /// A histogram of this quantity, in `bins` equal bins between `from` and `to`. For an ensemble make one, and give
-    /// each group of trajectories a clone:
+    /// each group of trajectories a clone while it is empty:
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle, watch::{Histogram, Sight}};

@@ -24,7 +24,7 @@ use crate::motion::failure::Failure;
 use crate::motion::system::System;
 use crate::number::vector::{add_scaled, dot, largest};
 use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
-use crate::solve::crowd::{OF_RADIUS, RISES, THERE, shares};
+use crate::solve::crowd::{OF_RADIUS, RISES, shares, there};
 use crate::solve::curve::quartic;
 use crate::systems::linked::kept::{BodiesOf, Linked, Room, Tied};
 use std::array::from_fn;
@@ -197,23 +197,35 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     #[inline(never)]
     fn go_there(&self, h: f64, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> Result<(), Failure> {
         let (mut off, mut body) = (f64::NAN, 0);
-        // Of the places, and of what forces alone would have moved bodies by.
-        let forces = now.kept.tied.force.iter().enumerate();
-        let pushed =
-            most(forces.map(|(body, force)| largest(&self.shape.pushed(body, h, &force.components()))));
-        let size = pushed.max(most(now.q.as_ref().iter().map(largest)));
+        let sizes = self.sizes(h, now);
         for parts in PARTS {
-            let Some(there) = self.goes_along(h, parts, before, now) else { continue };
-            let places = there.iter().zip(now.q.as_ref());
+            let Some(reached) = self.goes_along(h, parts, before, now) else { continue };
+            let places = reached.iter().zip(now.q.as_ref());
             let offs: Vec<f64> = places.map(|(a, b)| largest(&add_scaled(a, -1.0, b))).collect();
-            off = most(offs.iter().copied());
-            body = offs.iter().position(|&x| x == off).unwrap_or(0);
-            if off <= THERE * f64::EPSILON * size {
+            let is_there = |&body: &usize| offs[body] <= there::<f64>() * sizes[body];
+            let elsewhere = (0..offs.len()).filter(|body| !is_there(body));
+            let Some(farthest) = elsewhere.max_by(|&a, &b| offs[a].total_cmp(&offs[b])) else {
                 return Ok(());
-            }
+            };
+            (off, body) = (offs[farthest], farthest);
         }
         let position = now.q.as_ref()[body].to_vec();
         Err(Failure { body, cause: StepFailure::OtherSheet { h, off, position } })
+    }
+
+    /// How large places are of what each body is linked to, and what forces alone would have moved that by: the
+    /// rounding of others is not theirs.
+    fn sizes(&self, h: f64, now: &BodiesOf<F, N, D>) -> Vec<f64> {
+        let forces = now.kept.tied.force.iter().enumerate();
+        let pushed = forces.map(|(body, force)| largest(&self.shape.pushed(body, h, &force.components())));
+        let mut sizes: Vec<f64> = now.q.as_ref().iter().map(largest).collect();
+        sizes.iter_mut().zip(pushed).for_each(|(size, pushed)| *size = most([*size, pushed].into_iter()));
+        for component in &self.shape.components {
+            let touched = component.rows.touched();
+            let size = most(touched.iter().map(|&body| sizes[body]));
+            touched.iter().for_each(|&body| sizes[body] = size);
+        }
+        sizes
     }
 
     /// Where one gets to in so many parts; None where one of them cannot be taken.

@@ -155,9 +155,11 @@ pub(super) struct Hidden<const D: usize, const M: usize> {
     pub(super) value: [f64; M],
     /// ∇hᵢ.
     gradients: [Point<D>; M],
-    /// Σ |∂hᵢ/∂zₖ| rₖ with r the largest coordinates and momenta of the reach: times ε the rounding of hᵢ that comes
-    /// from that of the point, in whatever units q and p are.
+    /// Σ |∂hᵢ/∂zₖ| rₖ with r the largest coordinates and momenta of the reach on which hᵢ depends: times ε the rounding
+    /// of hᵢ that comes from that of the point, in whatever units q and p are. Others may be however large.
     pub(super) size: [f64; M],
+    /// The same with the largest of all.
+    pub(super) extent: [f64; M],
     /// Nᵢⱼ = ∂hᵢ/∂σⱼ, along the fibre.
     pub(super) slopes: [[f64; M]; M],
     /// The largest of the terms that make up each slope.
@@ -188,7 +190,8 @@ impl<const D: usize, const M: usize> Hidden<D, M> {
             .map(|[by_g, by_h]| fibres.map(|fibre| by_g.size_along(&fibre).max(by_h.size_along(&fibre))));
         Self {
             value: level.gradients.map(|g| bracket(&g, &slope).0),
-            size: extents(&gradients, reach),
+            size: gradients.map(|h| h.size_along(&reach.most_along(&h))),
+            extent: extents(&gradients, reach),
             slopes: gradients.map(|h| fibres.map(|fibre| h.along(&fibre))),
             terms,
             rates: gradients.map(|h| h.along(&free)),
@@ -197,14 +200,8 @@ impl<const D: usize, const M: usize> Hidden<D, M> {
         }
     }
 
-    /// As `size`, of a point, with r the largest of those coordinates and momenta on which hᵢ depends there: others may
-    /// be however large.
-    pub(super) fn own_size(&self, at: &Point<D>) -> [f64; M] {
-        self.gradients.map(|h| h.size_along(&at.most_along(&h)))
-    }
-
-    /// As `size`, of this reach.
-    pub(super) fn size_of(&self, reach: &Point<D>) -> [f64; M] {
+    /// As `extent`, of this reach.
+    pub(super) fn extent_of(&self, reach: &Point<D>) -> [f64; M] {
         extents(&self.gradients, reach)
     }
 

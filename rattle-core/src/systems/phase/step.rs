@@ -214,8 +214,8 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         let change = slides.slide(&self.constraint, start, sigma)?;
         let at = start.plus(&low.plus(&change));
         let hidden = Hidden::of(&self.constraint, &self.energy, &at, &start.reach(&change));
-        let Hidden { value, size, .. } = hidden;
-        Some(Look { change, value, size, extent: size, rest: hidden })
+        let Hidden { value, size, extent, .. } = hidden;
+        Some(Look { change, value, size, extent, rest: hidden })
     }
 
     /// Whether a body can start here, in steps of h.
@@ -246,8 +246,8 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             let slopes = hidden.slopes.concat();
             return mistake(level.dependent(&at).unwrap_or(PhaseMistake::Undetermined { slopes }));
         }
-        let (equation, off) = worst(&hidden.value, &hidden.own_size(&at));
-        let rounded = worst(&hidden.value, &hidden.size_of(&reach)).1 <= NOISE;
+        let (equation, off) = worst(&hidden.value, &hidden.size);
+        let rounded = worst(&hidden.value, &hidden.extent_of(&reach)).1 <= NOISE;
         if off.is_nan() || (off > tolerance && !rounded) {
             let (rate, share) = (hidden.value[equation], off * f64::EPSILON);
             return mistake(PhaseMistake::Hidden { equation, rate, share, tolerance: START_TOLERANCE });

@@ -20,7 +20,7 @@ use crate::motion::failure::{Failure, numbers};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::aim::{BOLD, INSIDE, OFF_INSIDE, ROUNDINGS};
-use crate::solve::crowd::{FARTHER, THERE, is_alone, shift};
+use crate::solve::crowd::{FARTHER, is_alone, shift, there};
 use crate::solve::curve::{cubic, quartic};
 use crate::solve::stop::size_along;
 use crate::systems::surface::equation::Equation;
@@ -169,15 +169,19 @@ pub(super) fn check_walk<T: Scalar, const D: usize>(
 ) -> Result<(), Failure> {
     let place = |s: f64| cubic(h, s, [&from.q, &to.q], [&from.p, &to.p]);
     // Places on the way count, too: a step may end at the origin.
-    let ways = [&from.p, &to.p].map(|p| T::from_f64(h.abs()) * largest(p));
-    let size = ways.into_iter().fold(largest(&from.q).max(largest(&to.q)), T::max);
+    let way = |p: &[T; D], i: usize| T::from_f64(h.abs()) * p[i].abs();
+    let sizes: [T; D] =
+        from_fn(|i| way(&from.p, i).max(way(&to.p, i)).max(from.q[i].abs()).max(to.q[i].abs()));
     let (mut q, to) = (from.q, &to.q);
     for part in 1..BENDS {
         let towards = place(f64::from(part) / f64::from(BENDS));
         let _near_enough = walk(equation, body, &mut q, &towards);
     }
     let off = walk(equation, body, &mut q, to);
-    if off.le(T::from_f64(THERE * T::EPSILON) * size) {
+    // Another sheet lies along the normal, on which a coordinate may have no part, however large.
+    let (n, there) = (equation.gradient(to), T::from_f64(there::<T>()));
+    let (length, across) = (dot(&n, &n).sqrt(), dot(&n, &add_scaled(to, T::from_f64(-1.0), &q)).abs());
+    if off.le(there * largest(&sizes)) && across.le(there * length * size_along(&n, length, &sizes)) {
         return Ok(());
     }
     Err(Failure { body, cause: StepFailure::OtherSheet { h, off: off.to_f64(), position: numbers(to) } })
