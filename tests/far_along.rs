@@ -130,6 +130,9 @@ fn other_sheets_are_told_from_rounding_in_single_precision() {
     let mut lanes = scene.ensemble_in(Single, vec![start; 16], Lobatto::<2>::new(0.2663)).unwrap();
     assert_eq!(lanes.plan().in_lanes, 16);
     lanes.run(60);
+    let told = lanes.failure(0).unwrap().to_string();
+    assert!(told.contains("beside the sheet"), "{told}");
+    assert_eq!(lanes.failures().count(), 16); // each at a step that ends on another tube
     for i in 0..16 {
         let [_, y, z] = lanes.state(i).positions().next().unwrap().into();
         assert!((y.hypot(z) - 1.0).abs() < 1e-4, "{}", y.hypot(z)); // tubes are 6e-4 apart
@@ -144,5 +147,48 @@ fn other_sheets_are_told_from_the_rounding_of_others() {
         let scene = Scene::points(2).link(Rings { k: 1e5 }, [[0]]);
         let told = scene.simulate(start, Lobatto::<2>::new(0.2)).unwrap().run(200).unwrap_err();
         assert!(told.to_string().contains("beside the sheet"), "x = {x:e}: {told}");
+    }
+}
+
+constraint! {
+    /// A ball on the floor.
+    struct Ball { r }
+    |x, y, z| x^2 + y^2 + (z - r)^2 - r^2
+}
+
+constraint! {
+    /// A wheel on the floor.
+    struct Wheel { r }
+    |x, y| x^2 + (y - r)^2 - r^2
+}
+
+/// Where coordinates are all small, g is rounded to what it is made of, and that is neither another sheet, nor a solve
+/// that does not end.
+#[test]
+fn what_touches_the_floor_at_the_origin_goes_on() {
+    for h in [1e-6, 1e-5, 3e-5, 1e-4, 1e-3] {
+        let start = State::at([-30.3 * h, 0.0, 0.0]).moving([1.0, 0.0, 0.0]);
+        let scene = Scene::on(Ball { r: 1.0 });
+        let start = scene.project(&start).unwrap();
+        let linked = Scene::points(2).link(Wheel { r: 1.0 }, [[0]]);
+        let pair = State::of([[-30.3 * h, 0.0], [1.0, 0.0]]).with_momenta([[1.0, 0.0], [0.0, 0.0]]);
+        let pair = linked.project(&pair).unwrap();
+        macro_rules! passes {
+            ($method:expr) => {
+                let mut run = scene.simulate(start.clone(), $method).unwrap();
+                run.run(60).unwrap();
+                let (q, _) = (run.position(), run.momentum());
+                let off = q.x.atan2(1.0 - q.z) - 29.7 * h; // at the angle of a circle of radius 1
+                assert!(off.abs() < 1e-13 && run.constraint_residual() < 1e-15, "h = {h:e}: {off:e}");
+                linked.simulate(pair.clone(), $method).unwrap().run(60).unwrap();
+                let mut lanes = scene.ensemble(vec![start.clone(); 3], $method).unwrap();
+                lanes.run(60);
+                assert_eq!(lanes.failures().count(), 0, "h = {h:e}");
+            };
+        }
+        passes!(Lobatto::<2>::new(h));
+        passes!(Lobatto::<4>::new(h));
+        passes!(rattle::Dop853::new(h));
+        passes!(rattle::Taylor::new(8, h));
     }
 }

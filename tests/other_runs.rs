@@ -307,7 +307,40 @@ fn hamiltonians_are_told_apart_where_momenta_are() {
         };
         refused(&|b| run(b, 0.3), [0.1, 0.2], "");
         refused(&|g| run(0.1, g), [0.3, 0.4], "");
+        let one = |b| {
+            let ensemble = scene(b, 0.3).ensemble(vec![State::at([a, 0.0]); 3], Rattle::new(0.01)).unwrap();
+            Box::new(ensemble) as Box<dyn Checkpoint>
+        };
+        refused(&one, [0.1, 0.1001], ""); // places are a power of two
     }
+}
+
+force! {
+    /// Drag by a speed, and by its square.
+    struct Rubbing { a, b }
+    |_q: [f64; 3], v: [f64; 3]| -(a + b * norm(v)) * v
+}
+
+potential! {
+    /// A pulse.
+    struct Pulse { force, tau }
+    |_x, _y, z, t| force * z * exp(-(t / tau)^2)
+}
+
+/// So are pulses, and stops of any size.
+#[test]
+fn what_is_short_or_small_is_told_apart() {
+    let start = || State::of([[0.0; 3], [4e-10, 0.0, 0.0]]).with_momenta([[1e-23, 0.0, 2e-23]; 2]);
+    let pulse = |force| {
+        let scene = Scene::points::<3>(2).mass(6.6e-26).with(Pulse { force, tau: 1e-13 });
+        Box::new(scene.simulate(start(), Rattle::new(1e-15)).unwrap()) as Box<dyn Checkpoint>
+    };
+    refused(&pulse, [1e-12, 2e-12], "effect 0 after a step");
+    let stopped = |r| {
+        let run = Scene::points::<3>(2).mass(6.6e-26).simulate(start(), Rattle::new(1e-15)).unwrap();
+        Box::new(run.collide(rattle::effect::Stop::below(Sphere { r })).unwrap()) as Box<dyn Checkpoint>
+    };
+    refused(&stopped, [1e-8, 1e-8 * (1.0 + 1e-6)], "options");
 }
 
 /// In seconds, where a thousandth is ages: nothing is left there of velocities, whatever the rate.
@@ -338,6 +371,19 @@ fn fast_flows_are_told_apart_by_what_they_do_in_a_step() {
     told!(langevin, [1e12, 5e12]);
     told!(rescaling, [1e-12, 2e-12]);
     told!(drag, [1e12, 5e12]);
+    let rubbed = |b| {
+        let scene = Scene::on(Sphere { r: 1e-10 }).with(Rubbing { a: 1e12, b });
+        let start = State::at([1e-10, 0.0, 0.0]).moving([0.0, 1e4, 0.0]);
+        Box::new(scene.ensemble(vec![start; 3], Rattle::new(1e-15)).unwrap()) as Box<dyn Checkpoint>
+    };
+    refused(&rubbed, [1e8, 2e8], "flow 0");
+    let towed = |b| {
+        let scene = Scene::points(2).mass(6.6e-26).link(rattle::links::Rod { length: 4e-10 }, [[0, 1]]);
+        let start = State::of([[0.0; 3], [4e-10, 0.0, 0.0]]).with_momenta([[0.0, 1e-23, 0.0]; 2]);
+        let rubbed = scene.with(Rubbing { a: 0.0, b });
+        Box::new(rubbed.ensemble(vec![start; 3], Rattle::new(1e-15)).unwrap()) as Box<dyn Checkpoint>
+    };
+    refused(&towed, [2e-15, 4e-15], "flow 0");
     let ball = |rate| {
         let scene = Scene::on(Sphere { r: 1e-10 }).mass(6.6e-26).with(drag(rate));
         let start = State::at([1e-10, 0.0, 0.0]).moving([0.0, 1e-23, 0.0]);

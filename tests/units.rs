@@ -12,7 +12,7 @@ use rattle::prelude::*;
 use rattle::rigid::Rigid;
 use rattle::scene::Hold;
 use rattle::surfaces::Torus;
-use rattle::{Brownian, Dop853, Geodesic, Taylor};
+use rattle::{Brownian, Dop853, Geodesic, Taylor, Variable};
 
 potential! {
     /// A force along the last coordinate of a body in space.
@@ -233,6 +233,35 @@ fn of_rigid_bodies() {
     tops(|h, _| Dop853::adaptive(h, 2.0_f64.powi(-30)), true);
     tops(|h, _| Taylor::new(12, h), true);
     tops(|h, _| Taylor::adaptive(14, h, 2.0_f64.powi(-36)), true);
+}
+
+/// Bodies that fly at each other from beyond the cut-off: no force is there at the start, and steps are as long as they
+/// may be until one is.
+#[test]
+fn of_variable_steps() {
+    let steps = |units: Units| {
+        let law = Wca { epsilon: units.energy(), sigma: units.length };
+        let scene = Scene::points(2).mass(units.mass).with(law.within(1.5 * units.length));
+        let places = [[0.0, 0.0, 0.0], [1.7, 0.25, 0.0]].map(|q| q.map(|x| x * units.length));
+        let momenta = [[3.0, 0.0, 0.0], [-3.0, 0.0, 0.0]].map(|p| p.map(|x| x * units.momentum()));
+        let start = State::of(places).with_momenta(momenta);
+        let method = Variable::of(Rattle::new(0.02 * units.time), 0.25 * units.time);
+        let mut alone = scene.simulate(start, method).unwrap();
+        let (mut shortest, mut last) = (f64::INFINITY, 0.0);
+        alone
+            .run_with(60, |now| {
+                let time = now.time() / units.time;
+                (shortest, last) = (shortest.min(time - last), time);
+            })
+            .unwrap();
+        (numbers(&alone.state(), units.length, units.momentum()), shortest)
+    };
+    let (_, shortest) = steps(ONE);
+    assert!(shortest < 0.01, "{shortest}"); // there was a collision
+    check("variable steps", |units| {
+        let (end, shortest) = steps(units);
+        vec![end, vec![shortest]]
+    });
 }
 
 /// Pairs with a cut-off, one of them beyond it at first.

@@ -103,14 +103,20 @@ impl<X: ConstraintKernel<f64, K, 1>, const D: usize, const K: usize, const A: us
         self.restitution
     }
     fn parameters(&self) -> Vec<f64> {
-        let place = from_fn(|k| ((k + 1) as f64 * 0.618_033_988_749_894_9).fract());
-        let ([g], [row]) = self.kernel.value_and_jacobian(&place);
+        let place = |size: f64| from_fn(|k| size * ((k + 1) as f64 * 0.618_033_988_749_894_9).fract());
+        let told = |size: f64| {
+            let ([g], [row]) = self.kernel.value_and_jacobian(&place(size));
+            [&[g], &row[..]].concat()
+        };
         // Members are mixed into 32 bits, since there may be many.
         let mix =
             |sum: u64, &body: &usize| (sum ^ body as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
         let members = self.members.as_ref().map(|members| members.as_flattened().iter().fold(1, mix) >> 32);
         let number = self.members.as_ref().map_or(-1.0, |members| members.len() as f64);
-        [&[self.side, number, members.unwrap_or(0) as f64, g], &row[..]].concat()
+        // At places of all sizes up to 1: among them is one that shows what a length of that size is. Farther away
+        // waves would show the last bits of theirs.
+        let places = (-10..=0).flat_map(|n| told(2.0_f64.powi(10 * n)));
+        [self.side, number, members.unwrap_or(0) as f64].into_iter().chain(places).collect()
     }
     fn check(&self, bodies: usize) -> Result<(), Error> {
         const { expect_variables(K, A, D, false) };

@@ -92,7 +92,7 @@ impl<B: Method> Variable<B> {
         let zero = T::from_f64(0.0);
         let square = |x: &[[T; D]]| x.iter().fold(zero, |sum, x| sum + dot(x, x));
         let (change, size) = (square(rates).to_f64(), square(bodies.p.as_ref()).to_f64());
-        if change == 0.0 { (0.0, 1.0) } else { (self.tau * self.tau * change, size) }
+        if change == 0.0 && size == 0.0 { (0.0, 1.0) } else { (self.tau * self.tau * change, size) }
     }
 
     /// R and G, where forces are those at these places. All is as before, and what is kept evaluated anew.

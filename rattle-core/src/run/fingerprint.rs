@@ -88,14 +88,15 @@ fn rounded<const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Body<f64, D>> {
 pub(in crate::run) struct Looks<const D: usize> {
     near: Vec<Body<f64, D>>,
     at: Vec<Body<f64, D>>,
-    /// The bodies, with their momenta.
-    moving: Vec<Body<f64, D>>,
+    /// The same with the momenta of the bodies.
+    moving: [Vec<Body<f64, D>>; 2],
 }
 
 impl<const D: usize> Looks<D> {
     /// Of these bodies.
     pub(in crate::run) fn of(bodies: &[Body<f64, D>]) -> Self {
-        Self { near: beside(bodies), at: bodies.to_vec(), moving: bodies.to_vec() }
+        let (near, at) = (beside(bodies), bodies.to_vec());
+        Self { moving: [near.clone(), at.clone()], near, at }
     }
 
     /// Of bodies in lanes, without their momenta: these run ahead there by a kick, so that another force would be told
@@ -103,22 +104,29 @@ impl<const D: usize> Looks<D> {
     pub(in crate::run) fn in_lanes(bodies: Vec<Body<f64, D>>) -> Self {
         let zero = [0.0; D];
         let at_rest: Vec<_> = bodies.iter().map(|body| Body { p: zero, p_low: zero, ..*body }).collect();
-        Self { moving: bodies, ..Self::of(&at_rest) }
+        Self { moving: [beside(&bodies), bodies], ..Self::of(&at_rest) }
     }
 
-    /// The same with their momenta.
+    /// The same with the momenta of the bodies.
     pub(in crate::run) fn in_motion(&self) -> Self {
-        Self::of(&self.moving)
+        let [near, at] = self.moving.clone();
+        Self { near, at, moving: self.moving.clone() }
     }
 
     /// The same but for some roundings. What these make of a number is what other machines may.
     pub(in crate::run) fn rounded(&self) -> Self {
-        Self { near: rounded(&self.near), at: rounded(&self.at), moving: rounded(&self.moving) }
+        let [near, at] = &self.moving;
+        Self { near: rounded(&self.near), at: rounded(&self.at), moving: [rounded(near), rounded(at)] }
     }
 
     /// The position of the first body beside its place, and there.
     pub(in crate::run) fn first(&self) -> [[f64; D]; 2] {
         [self.near[0].q, self.at[0].q]
+    }
+
+    /// Its momentum, also where these are looks at bodies without.
+    pub(in crate::run) fn first_momentum(&self) -> [f64; D] {
+        self.moving[1][0].p
     }
 }
 
@@ -140,12 +148,13 @@ fn drawn_together<const D: usize>(bodies: &[Body<f64, D>], part: f64) -> Vec<[f6
 /// The parts of a system, asked there at this time; its flows also as they act in a step of h.
 pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     system: &Y,
-    Looks { near, at, .. }: &Looks<D>,
+    looks: &Looks<D>,
     time: f64,
     h: f64,
 ) -> Vec<Hallmark> {
+    let Looks { near, at, .. } = looks;
     let n = near.len();
-    let later = time + BESIDE * time.abs().max(1.0);
+    let (later, next) = (time + BESIDE * time.abs().max(1.0), time + h);
     let mut bodies = system.bodies(near, later);
     let equations = system.equations();
     let sizes = vec![n as f64, D as f64, equations as f64, Y::EFFECTS as f64, Y::FLOWS as f64];
@@ -178,30 +187,49 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
         marks.push(of_effect(number, name, &forces));
     }
     marks.push(Hallmark::new("potential energy", "a function", vec![system.potential_energy(&bodies)]));
+    marks.extend(of_flows(system, looks, later, BESIDE));
+    marks.extend((0..Y::FLOWS).filter_map(|number| of_flow(number, system.effects())));
+    let at_places = |time: f64, when: &str| {
+        at_places(system, near, at, time).into_iter().map(|mark| told(mark, when)).collect::<Vec<_>>()
+    };
+    marks.extend(at_places(later, AT_ITS_PLACES));
+    if system.moves_with_time() {
+        marks.extend(at_places(next, "after a step"));
+    }
+    marks.extend(
+        of_flows(system, &looks.in_motion(), next, h.abs()).into_iter().map(|mark| told(mark, IN_A_STEP)),
+    );
+    marks
+}
+
+/// What flows do there at this time, for so long.
+fn of_flows<Y: System<f64, D>, const D: usize>(
+    system: &Y,
+    Looks { near, at, .. }: &Looks<D>,
+    time: f64,
+    during: f64,
+) -> Vec<Hallmark> {
+    if Y::FLOWS == 0 {
+        return Vec::new();
+    }
+    let mut bodies = system.bodies(near, time);
+    let velocities: Vec<_> = (0..near.len()).map(|body| system.velocity(&bodies, body)).collect();
     let momenta = Body::momenta(at);
     if Y::REMEMBERS {
         bodies.marks = system.first_marks(&bodies).unwrap_or_default();
     }
     let silent = Y::REMEMBERS && bodies.marks.is_empty(); // of effects that cannot act beside the places
-    let mut in_a_step = Vec::new();
-    for number in 0..if silent { 0 } else { Y::FLOWS } {
+    let mark = |number: usize| {
         let (manner, name) = system.effects().manner(number);
+        let noise = Noise { effect: number as u64, ..Noise::default() };
+        let (velocities, rates, holding) = (&velocities[..], &momenta[..], &momenta[..]);
+        let given = Given { velocities, rates, holding, coming: rates, ..Given::of(during, true, noise) };
+        let mut changes = vec![[0.0; D]; near.len()];
+        system.flow(number, given, &mut bodies, &mut changes);
         let name = format!("{} ({manner})", short_name(name));
-        let mut acting = |during: f64| {
-            let noise = Noise { effect: number as u64, ..Noise::default() };
-            let (velocities, rates, holding) = (&velocities[..], &momenta[..], &momenta[..]);
-            let given = Given { velocities, rates, holding, coming: rates, ..Given::of(during, true, noise) };
-            let mut changes = vec![[0.0; D]; n];
-            system.flow(number, given, &mut bodies, &mut changes);
-            changes.as_flattened().to_vec()
-        };
-        marks.push(Hallmark::new(format!("flow {number}"), name.clone(), acting(BESIDE)));
-        in_a_step.push(told_in_a_step(Hallmark::new(format!("flow {number}"), name, acting(h.abs()))));
-    }
-    marks.extend((0..Y::FLOWS).filter_map(|number| of_flow(number, system.effects())));
-    marks.extend(at_places(system, near, at, later));
-    marks.extend(in_a_step);
-    marks
+        Hallmark::new(format!("flow {number}"), name, changes.as_flattened().to_vec())
+    };
+    (0..if silent { 0 } else { Y::FLOWS }).map(mark).collect()
 }
 
 /// The equations of a system: g and its rates.
@@ -231,22 +259,18 @@ fn at_places<Y: System<f64, D>, const D: usize>(
         marks.extend(name.map(|name| of_effect(number, Some(name), &forces)));
     }
     marks.push(Hallmark::of_parameters("energies", "a list", energies));
-    marks.into_iter().map(told_at_places).collect()
+    marks
 }
 
-/// The same of the places themselves.
-pub(in crate::run) fn told_at_places(mark: Hallmark) -> Hallmark {
-    Hallmark { part: format!("{} at its places", mark.part), ..mark }.later()
-}
+/// Of the places themselves; of bodies with their momenta; and of what flows do in a step, which tells rates from
+/// others that are too fast to be told after [`BESIDE`].
+pub(in crate::run) const AT_ITS_PLACES: &str = "at its places";
+pub(in crate::run) const IN_MOTION: &str = "in motion";
+pub(in crate::run) const IN_A_STEP: &str = "in a step";
 
-/// The same of bodies with their momenta.
-pub(in crate::run) fn told_in_motion(mark: Hallmark) -> Hallmark {
-    Hallmark { part: format!("{} in motion", mark.part), ..mark }.later()
-}
-
-/// The same of a flow in a step, which tells rates from others that are too fast to be told after [`BESIDE`].
-pub(in crate::run) fn told_in_a_step(mark: Hallmark) -> Hallmark {
-    Hallmark { part: format!("{} in a step", mark.part), ..mark }.later()
+/// The same part, asked so; records of before do not tell of it.
+pub(in crate::run) fn told(mark: Hallmark, how: &str) -> Hallmark {
+    Hallmark { part: format!("{} {how}", mark.part), ..mark }.later()
 }
 
 /// The parameters of a flow that its changes of momenta need not show, if it names some.

@@ -47,12 +47,18 @@ pub(crate) const LITTLE: f64 = 1e4;
 /// By so many roundings a body is moved to find that of g.
 pub(crate) const SHIFTS: [f64; 6] = [-46368.0, -6765.0, -144.0, 21.0, 987.0, 17711.0];
 
+/// g follows shifts by up to 46 368 roundings of a size if it is off by no more than this part of that size.
+pub(crate) const FOLLOWED: f64 = 2048.0 * f64::EPSILON;
+
+/// Where nothing is known of how large a surface is, its terms are taken to be at most so many times as large as places
+/// on it.
+pub(crate) const AS_LARGE: f64 = 4_294_967_296.0;
+
 /// The rounding of g as a distance. `bent` shifts the place along the normal, and tells by how much g is no straight
 /// line there. Terms of g may be larger than the coordinates, near the origin of a large sphere say, but no larger than
 /// the surface is. So the shifts are some roundings of a size that grows until g follows them. What bends the surface
 /// on their way is not taken for rounding.
 pub(crate) fn rounding_of_g(coordinates: f64, singular: f64, mut bent: impl FnMut(f64) -> f64) -> f64 {
-    const FOLLOWED: f64 = 2048.0 * f64::EPSILON; // of shifts by up to 46 368 roundings
     let most = if singular.is_finite() { singular } else { coordinates };
     let mut size = if coordinates > 0.0 { coordinates } else { f64::EPSILON * most };
     loop {

@@ -128,6 +128,36 @@ impl<T: Scalar> Shrinking<T> {
     }
 }
 
+/// The largest of some displacements that is at least this part of that of as many before is no smaller.
+const STAY: f64 = 0.75;
+
+/// Displacements of stages that no longer shrink, though they are above [`NOISE`]: the rounding of terms of g that are
+/// larger than coordinates, where half of the digits hold. Single ones say little, as roundings differ.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stalling {
+    now: f64,
+    before: f64,
+}
+
+impl Stalling {
+    /// Before the first displacement.
+    pub(crate) const START: Self = Self { now: 0.0, before: f64::INFINITY };
+    /// The largest of so many displacements is compared with that of as many before.
+    const MOVES: usize = 8;
+
+    /// Notes another displacement, in roundings of this size; the iteration is the number of those before. Whether they
+    /// have come to rest as far as they will.
+    pub(crate) fn note(&mut self, roundings: f64, iteration: usize, rounding: f64) -> bool {
+        self.now = larger(self.now, roundings);
+        if !(iteration + 1).is_multiple_of(Self::MOVES) {
+            return false;
+        }
+        let stays = STAY * self.before <= self.now && self.now * rounding.sqrt() <= 1.0;
+        *self = Self { now: 0.0, before: self.now };
+        stays
+    }
+}
+
 /// Corrections that no longer shrink by half are the rounding of the functions themselves, if they are below so many
 /// roundings of the coordinates.
 pub(crate) const NOISE: f64 = 64.0;

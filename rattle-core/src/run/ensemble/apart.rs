@@ -38,7 +38,7 @@ pub enum NotInLanes {
     Method(&'static str),
     /// Steps or stages are shorter than [`Precision::SHORTEST`](crate::run::ensemble::Precision::SHORTEST). The step
     /// size.
-    #[error("steps of {0:e}, or their stages, are too short for lanes, where their squares vanish")]
+    #[error("steps of {0:e}, or their stages, are too short for lanes, where products of them would vanish")]
     ShortSteps(f64),
     /// An effect needs working memory or a memory of its own, or is a force that changes with time. The name of its
     /// type.

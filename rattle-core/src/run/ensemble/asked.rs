@@ -11,7 +11,7 @@ use crate::number::lanes::Lane;
 use crate::number::vector::{dot, scaled, sum};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::laws::Laws;
-use crate::run::fingerprint::{BESIDE, Looks, of_effect, told_at_places};
+use crate::run::fingerprint::{AT_ITS_PLACES, BESIDE, Looks, of_effect, told};
 use crate::run::watch::sight::Sight;
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
 use nalgebra::SVector;
@@ -71,7 +71,7 @@ pub(super) fn hallmarks<S: Lane, X: Laws<S, D>, const D: usize, const SUMS: usiz
     let mut marks = vec![Hallmark::of_parameters("precision", precision, Vec::new()).later()];
     let [near, at] = looks.first().map(of);
     marks.extend(near);
-    marks.extend(at.into_iter().map(told_at_places));
+    marks.extend(at.into_iter().map(|mark| told(mark, AT_ITS_PLACES)));
     marks
 }
 

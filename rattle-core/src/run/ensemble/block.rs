@@ -101,10 +101,10 @@ impl<S: Lane, const L: usize, const D: usize> Scratch<S, L, D> {
 /// What a thread works on: all in one place, at a place of the same kind each time.
 ///
 /// Processors take a number that is read for one that is still being written where the addresses differ by a multiple
-/// of 4096, and wait. On a Zen 4 they do so depending on the pages of memory that happen to be used. Rows are an eighth
-/// of that long: the first lanes of a row that is written lie there with the first lanes of rows that are read. `apart`
-/// has them lie with lanes that are read three vectors later, when the numbers are written. With what lay there before,
-/// a single vector, one process in six took 1.8 to 2.5 times as long.
+/// of 4096, and wait. On a Zen 4 they do so depending on the pages of memory that happen to be used. Of doubles, rows
+/// are an eighth of that long, so that lanes of the scratch that are written lie there with lanes of the block that are
+/// read soon. `apart` and the end of the block have that be three vectors later, when the numbers are written. Where it
+/// was the next vector, one process in six took 1.8 to 2.5 times as long.
 #[repr(C, align(4096))]
 pub(super) struct Desk<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
     pub(super) block: Block<S, L, D, SUMS, EQUAL>,

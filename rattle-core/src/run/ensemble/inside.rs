@@ -20,8 +20,8 @@ pub(super) fn quintic(s: f64) -> [f64; 5] {
 /// How far a step may have led astray, and whether g is as small as along one sheet on the curve through both ends with
 /// their momenta and accelerations, see [`check_sheets`](crate::motion::guarded::Guarded::check_sheets). From a place
 /// with its momentum and acceleration; the way from there, momentum, normal and acceleration at the end; the size of
-/// places. A step whose energy may have [jumped](crate::motion::course), if forces work as at its two ends, is none
-/// along a sheet either.
+/// places along the normal. A step whose energy may have [jumped](crate::motion::course), if forces work as at its two
+/// ends, is none along a sheet either.
 #[inline(always)]
 pub(super) fn follows<S: Lane, const D: usize>(
     laws: &impl Laws<S, D>,

@@ -36,7 +36,8 @@ pub struct Single;
 pub trait Precision: Copy {
     /// The largest finite number.
     const MOST: f64;
-    /// The shortest step, and stage of one, of which squares keep clear of the smallest numbers.
+    /// The shortest step, and stage of one, in lanes: products of what it moves by, however slow, keep clear of the
+    /// smallest numbers.
     const SHORTEST: f64;
 
     /// Runs `work` with this number format.

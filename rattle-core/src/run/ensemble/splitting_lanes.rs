@@ -214,8 +214,8 @@ where
         if const { X::Forces::FLOWS > 0 }
             && let Some(stirring) = &self.stirring
         {
-            let q = looks.first()[0].map(S::from_f64);
-            marks.extend(stirring.hallmarks(&self.laws, lane, q));
+            let body = [looks.first()[0], looks.first_momentum()];
+            marks.extend(stirring.hallmarks(&self.laws, lane, body.map(|x| x.map(S::from_f64))));
         }
         marks
     }

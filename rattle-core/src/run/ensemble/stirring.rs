@@ -25,7 +25,7 @@ use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::block::is_finite;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::rhythm::Rhythm;
-use crate::run::fingerprint::{BESIDE, of_flow, told_in_a_step};
+use crate::run::fingerprint::{BESIDE, IN_A_STEP, of_flow, told};
 use crate::systems::surface::normal::Normal;
 use std::array::from_fn;
 use std::borrow::Borrow;
@@ -144,8 +144,14 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
         self.flows.iter().any(|flow| matches!(flow, Stir::Asked(Rule::Random)))
     }
 
-    /// What tells the flows of a lane from others, asked beside this place and the time 0.
-    pub(super) fn hallmarks<X: Laws<S, D>>(&self, laws: &X, lane: usize, q: [S; D]) -> Vec<Hallmark> {
+    /// What tells the flows of a lane from others, asked beside this place and the time 0; of those that are asked what
+    /// they do also with this momentum, in a step.
+    pub(super) fn hallmarks<X: Laws<S, D>>(
+        &self,
+        laws: &X,
+        lane: usize,
+        [q, p]: [[S; D]; 2],
+    ) -> Vec<Hallmark> {
         let effects = laws.effects(lane);
         let (effects, time) = (effects.borrow(), self.rhythm.time);
         let ornstein = |number: usize| {
@@ -154,20 +160,22 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
             let numbers = vec![of.lost, of.variance, high, low];
             Some(Hallmark::of_parameters(format!("flow {number}"), "friction and noise", numbers))
         };
-        let asked = |number: usize, how_long: f64| {
+        let asked = |number: usize, moment: f64, p: [S; D], to: [S; D]| {
             let (manner, name) = effects.manner(number);
             let [gradient] = laws.constraint(lane).borrow().jacobian(&q);
-            let (noise, mut changes) = (Noise { effect: number as u64, ..Noise::default() }, [q]);
-            let (at, normals) = ([q], [Normal::new(gradient)]);
+            let (noise, mut changes) = (Noise { effect: number as u64, ..Noise::default() }, [to]);
+            let (at, normals) = ([[q], [p]], [Normal::new(gradient)]);
             let normals = &&normals[..];
-            let during = interval(time, Half::Before, how_long, [&at, &at], normals, noise);
+            let during = interval(time, Half::Before, moment, [&at[0], &at[1]], normals, noise);
             laws.flow(lane, number, &during, &mut changes);
             let numbers = changes[0].map(S::to_f64).to_vec();
             Hallmark::new(format!("flow {number}"), format!("{} ({manner})", short_name(name)), numbers)
         };
-        let mark = |number| ornstein(number).unwrap_or_else(|| asked(number, BESIDE));
-        let in_a_step =
-            |number| ornstein(number).is_none().then(|| told_in_a_step(asked(number, time.abs())));
+        let mark = |number| ornstein(number).unwrap_or_else(|| asked(number, BESIDE, q, q));
+        let in_a_step = |number| {
+            let changes = || asked(number, time.abs(), p, [S::default(); D]);
+            ornstein(number).is_none().then(|| told(changes(), IN_A_STEP))
+        };
         let parameters = (0..X::Forces::FLOWS).filter_map(|number| of_flow(number, effects));
         let all = (0..X::Forces::FLOWS).map(mark).chain(parameters);
         all.chain((0..X::Forces::FLOWS).filter_map(in_a_step)).collect()

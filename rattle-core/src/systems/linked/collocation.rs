@@ -25,9 +25,10 @@ use crate::motion::failure::Failure;
 use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
-use crate::number::vector::{add_scaled, largest, scaled, sum, two_sum};
-use crate::solve::stop::{LAST_OF_STAGES, NOISE};
-use crate::systems::linked::kept::{BodiesOf, Furthest, Linked, along};
+use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
+use crate::solve::aim::{AS_LARGE, NOISY, rounding_of_g};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE, Stalling};
+use crate::systems::linked::kept::{BodiesOf, Furthest, Linked, Tied, along};
 use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
 use crate::systems::network::solver::CLEARLY;
@@ -41,6 +42,8 @@ const PATIENCE: usize = 20;
 /// Where displacements still do not become smaller after so many, they may be rounding, see
 /// [`allow_for_angles`](Linked::allow_for_angles); before, they may do so on the way to the stages.
 const SETTLED: usize = 12;
+/// Iterations after which displacements that hardly shrink will not become small.
+const LOST: usize = 23;
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     /// One step of the collocation method with this table.
@@ -94,10 +97,13 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
 
     /// Whether the equations hold at the end of the step, whose gradients were just evaluated: what dependent equations
     /// ask for beyond what the normals of the start can give moves nothing, and is not seen by the iteration.
-    fn check_residuals(&self, c: usize, h: f64, bodies: &BodiesOf<F, N, D>) -> Result<(), Failure> {
+    fn check_residuals(&self, c: usize, h: f64, bodies: &mut BodiesOf<F, N, D>) -> Result<(), Failure> {
         let rows = &self.shape.components[c].rows;
         let Furthest { distance, of_all: roundings, row, .. } = self.furthest(c, h, bodies);
         if roundings <= 1024.0 * (rows.equations() as f64).sqrt() {
+            return Ok(());
+        }
+        if self.is_rounding(c, row, distance, bodies) {
             return Ok(());
         }
         let equation = self.shape.equation_at(c, row);
@@ -108,6 +114,38 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             LinkedFailure::LeftOff { equation, distance, roundings, h }
         };
         Err(Failure { body, cause: cause.into() })
+    }
+
+    /// Whether an equation that is so far off, by gradients as just evaluated, is so by the rounding of its own terms,
+    /// which may be larger than the coordinates.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn is_rounding(
+        &self,
+        c: usize,
+        row: usize,
+        distance: f64,
+        bodies: &mut BodiesOf<F, N, D>,
+    ) -> bool {
+        let (shape, time, q) = (&*self.shape, bodies.time, bodies.q.as_ref());
+        let component = &shape.components[c];
+        let Tied { room, blocks, .. } = &mut bodies.kept.tied;
+        let normals = || {
+            let of = component.rows.touched_by(row);
+            of.map(|(block, body)| (body, blocks[component.first.1 + block]))
+        };
+        let length = normals().map(|(_, n)| dot(&n, &n)).sum::<f64>().sqrt();
+        let size = normals().fold(0.0, |most: f64, (body, _)| most.max(largest(&q[body])));
+        shape.values(c, time, q, &mut room.g);
+        let value = room.g[row];
+        room.trial.copy_from_slice(q);
+        let rounding = rounding_of_g(size, AS_LARGE * size, |shift| {
+            normals().for_each(|(body, n)| room.trial[body] = add_scaled(&q[body], shift / length, &n));
+            shape.values(c, time, &room.trial, &mut room.g);
+            ((room.g[row] - value) / length - shift).abs()
+        });
+        shape.values(c, time, q, &mut room.g);
+        distance <= NOISY * rounding
     }
 
     /// Constant acceleration, that with g̈ = 0 at the start.
@@ -169,7 +207,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         for (component, size) in shape.components.iter().zip(&mut stages.sizes) {
             *size = size_along_normals(&component.rows, &start[component.first.1..], bodies.q.as_ref());
         }
-        let (mut last, mut allowed) = (f64::INFINITY, false);
+        let (mut last, mut allowed, mut stalling) = (f64::INFINITY, false, Stalling::START);
         for iteration in 0..patience {
             for stage in 1..S {
                 for body in 0..n {
@@ -258,7 +296,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             }
             let contraction = worst / last;
             let stalled = iteration > 3 && contraction >= 0.9;
-            if worst <= LAST_OF_STAGES || (stalled && worst < NOISE * long) {
+            let rests = worst.is_finite() && stalling.note(worst, iteration, f64::EPSILON);
+            if worst <= LAST_OF_STAGES || (stalled && worst < NOISE * long) || rests {
                 return Ok(());
             }
             if stalled && iteration > SETTLED && !allowed && worst.is_finite() {
@@ -267,7 +306,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                     continue;
                 }
             }
-            if !worst.is_finite() || (iteration > 20 && contraction > 0.95) {
+            if !worst.is_finite() || (iteration > LOST && contraction > 0.95) {
                 for stage in 1..S {
                     let q = &stages.q[stage * n..][..n];
                     let reached = q.iter().flatten().all(|q| q.is_finite());

@@ -162,7 +162,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         let shape = &*self.shape;
         let (from, to, time) = (before.q.as_ref(), now.q.as_ref(), [before.time, now.time]);
         let Tied { room, blocks, .. } = &mut now.kept.tied;
-        INSIDE.iter().any(|&s| {
+        let mut off = Vec::new(); // mostly empty
+        for s in INSIDE {
             for body in 0..to.len() {
                 room.trial[body] = between(h, s, [&from[body], &to[body]], room, body);
             }
@@ -176,20 +177,24 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 let rounding = ROUNDINGS * f64::EPSILON * largest(&to[body]);
                 (OFF_INSIDE * largest(&room.push[body])).max(turn) + rounding
             };
-            shape.components.iter().enumerate().any(|(c, component)| {
+            for (c, component) in shape.components.iter().enumerate() {
                 let (rows, (_, first)) = (&component.rows, component.first);
                 shape.values(c, time, &room.trial, &mut room.g);
-                (0..rows.equations()).any(|row| {
+                for row in 0..rows.equations() {
                     let (mut square, mut most) = (0.0, 0.0_f64);
                     for (block, body) in rows.touched_by(row) {
                         square += dot(&blocks[first + block], &blocks[first + block]);
                         most = most.max(allowed(body));
                     }
-                    let small = room.g[row].abs() <= most * square.sqrt();
-                    !small // where it is not a number either
-                })
-            })
-        })
+                    let (g, length) = (room.g[row].abs(), square.sqrt());
+                    let small = g <= most * length;
+                    if !small {
+                        off.push((c, row, g / length)); // where it is not a number either
+                    }
+                }
+            }
+        }
+        off.into_iter().any(|(c, row, distance)| !self.is_rounding(c, row, distance, now))
     }
 
     /// Goes from the start of a step to its end in small parts. An error where that is not reached.
@@ -197,7 +202,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     #[inline(never)]
     fn go_there(&self, h: f64, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> Result<(), Failure> {
         let (mut off, mut body) = (f64::NAN, 0);
-        let sizes = self.sizes(h, now);
+        let sizes = self.sizes(h, before, now);
         for parts in PARTS {
             let Some(reached) = self.goes_along(h, parts, before, now) else { continue };
             let places = reached.iter().zip(now.q.as_ref());
@@ -213,13 +218,18 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         Err(Failure { body, cause: StepFailure::OtherSheet { h, off, position } })
     }
 
-    /// How large places are of what each body is linked to, and what forces alone would have moved that by: the
-    /// rounding of others is not theirs.
-    fn sizes(&self, h: f64, now: &BodiesOf<F, N, D>) -> Vec<f64> {
-        let forces = now.kept.tied.force.iter().enumerate();
-        let pushed = forces.map(|(body, force)| largest(&self.shape.pushed(body, h, &force.components())));
-        let mut sizes: Vec<f64> = now.q.as_ref().iter().map(largest).collect();
-        sizes.iter_mut().zip(pushed).for_each(|(size, pushed)| *size = most([*size, pushed].into_iter()));
+    /// How large places are, at both ends of a step and on the way, of what each body is linked to, and what forces
+    /// alone would have moved that by: the rounding of others is not theirs.
+    fn sizes(&self, h: f64, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> Vec<f64> {
+        let size = |body: usize| {
+            let force = now.kept.tied.force[body].components();
+            let pushed = largest(&self.shape.pushed(body, h, &force));
+            let places = [&before.q, &now.q].map(|q| largest(&q.as_ref()[body]));
+            let way = |p: &[f64; D]| h.abs() * largest(&self.shape.roots[body].velocity(p));
+            let ways = [&before.p, &now.p].map(|p| way(&p.as_ref()[body]));
+            most(places.into_iter().chain(ways).chain([pushed]))
+        };
+        let mut sizes: Vec<f64> = (0..now.q.as_ref().len()).map(size).collect();
         for component in &self.shape.components {
             let touched = component.rows.touched();
             let size = most(touched.iter().map(|&body| sizes[body]));

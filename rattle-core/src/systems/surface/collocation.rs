@@ -29,9 +29,9 @@ use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::solve::aim::NOISY;
 use crate::solve::root::{STAGES_ALIKE, alike};
-use crate::solve::stop::{LAST_OF_STAGES, NOISE, size_along};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE, Stalling, size_along};
 use crate::systems::surface::diagnosis::FailureAt;
-use crate::systems::surface::equation::{Equation, rounding_of};
+use crate::systems::surface::equation::{Equation, rounding_of_terms};
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::room::Stages;
@@ -196,7 +196,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         let drift: [_; S] = from_fn(|stage| pair(table.drift(h, stage)));
         lead(bodies.p.as_ref(), &pushes, &drift, stages);
         let times = |stage: usize| bodies.time + h * table.nodes[stage];
-        let (mut last, mut last_contraction) = (f64::INFINITY, 0.0);
+        let (mut last, mut last_contraction, mut stalling) = (f64::INFINITY, 0.0, Stalling::START);
         for iteration in 0..MAX_ITERATIONS {
             for body in 0..n {
                 let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
@@ -244,7 +244,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 return Err(self.not_finite(h, times, stages, slowest, S, iteration));
             }
             let contraction = worst / last;
-            let stalled = iteration > 3 && contraction >= 0.5 && worst < NOISE;
+            let stalled = stalling.note(worst, iteration, T::EPSILON)
+                || (iteration > 3 && contraction >= 0.5 && worst < NOISE);
             if worst <= LAST_OF_STAGES || stalled {
                 return self.upright::<T, D, S>(h, stages);
             }
@@ -384,7 +385,7 @@ fn holds<T: Scalar, const D: usize>(
     size: T,
 ) -> Result<(), f64> {
     let (square, rounding) = (dot(gradient, gradient), T::from_f64(T::EPSILON) * size);
-    let noise = T::from_f64(NOISY) * rounding_of(equation, q, gradient, size);
+    let noise = T::from_f64(NOISY) * rounding_of_terms(equation, q, gradient, size);
     if (g.abs() / square).le(noise) {
         return Ok(());
     }

@@ -4,7 +4,7 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot};
-use crate::solve::aim::SHIFTS;
+use crate::solve::aim::{AS_LARGE, FOLLOWED, SHIFTS};
 
 /// g(q) = 0. Steps that find their root at once are compiled for each surface; what is rarely done is compiled once,
 /// and given a
@@ -55,6 +55,25 @@ impl<T: Scalar, K: ConstraintKernel<T, D, 1>, const D: usize> Equation<T, D> for
         let [bend] = self.jet(q, p).2;
         bend
     }
+}
+
+/// The same where terms of g may be larger than places: the size grows until g follows, as in
+/// [`rounding_of_g`](crate::solve::aim::rounding_of_g).
+#[cold]
+#[inline(never)]
+pub(crate) fn rounding_of_terms<T: Scalar, const D: usize>(
+    equation: &dyn Equation<T, D>,
+    q: &[T; D],
+    n: &[T; D],
+    size: T,
+) -> T {
+    let (length, followed) = (dot(n, n).sqrt(), T::from_f64(FOLLOWED / f64::EPSILON * T::EPSILON));
+    let (mut times, mut rounding) = (1.0, rounding_of(equation, q, n, size));
+    while times < AS_LARGE && !(rounding * length).le(followed * T::from_f64(times) * size) {
+        times *= 256.0;
+        rounding = rounding_of(equation, q, n, T::from_f64(times) * size);
+    }
+    rounding
 }
 
 /// The rounding of g itself at a place, as a multiple of ∇g = n: by how much g is no parabola along the normal where

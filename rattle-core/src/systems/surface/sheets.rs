@@ -19,11 +19,11 @@ use crate::motion::bodies::{Body, Count, Saved};
 use crate::motion::failure::{Failure, numbers};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
-use crate::solve::aim::{BOLD, INSIDE, OFF_INSIDE, ROUNDINGS};
+use crate::solve::aim::{BOLD, INSIDE, NOISY, OFF_INSIDE, ROUNDINGS};
 use crate::solve::crowd::{FARTHER, is_alone, shift, there};
 use crate::solve::curve::{cubic, quartic};
 use crate::solve::stop::size_along;
-use crate::systems::surface::equation::Equation;
+use crate::systems::surface::equation::{Equation, rounding_of_terms};
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::position::Departure;
@@ -178,10 +178,17 @@ pub(super) fn check_walk<T: Scalar, const D: usize>(
         let _near_enough = walk(equation, body, &mut q, &towards);
     }
     let off = walk(equation, body, &mut q, to);
-    // Another sheet lies along the normal, on which a coordinate may have no part, however large.
-    let (n, there) = (equation.gradient(to), T::from_f64(there::<T>()));
-    let (length, across) = (dot(&n, &n).sqrt(), dot(&n, &add_scaled(to, T::from_f64(-1.0), &q)).abs());
-    if off.le(there * largest(&sizes)) && across.le(there * length * size_along(&n, length, &sizes)) {
+    // Another sheet lies along the normal, in which a coordinate may have no part, however large it is.
+    let (there, zero) = (T::from_f64(there::<T>()), T::from_f64(0.0));
+    let ends = [equation.gradient(&from.q), equation.gradient(to)];
+    let known: [T; D] = from_fn(|i| if ends.iter().all(|n| n[i].to_f64() == 0.0) { zero } else { sizes[i] });
+    let (n, size) = (&ends[1], largest(&known));
+    let way = add_scaled(to, T::from_f64(-1.0), &q);
+    let normals = dot(n, &way) / dot(n, n);
+    let along = add_scaled(&way, -normals, n);
+    let is_rounding = || normals.abs().le(T::from_f64(NOISY) * rounding_of_terms(equation, to, n, size));
+    let is_there = (normals.abs() * dot(n, n).sqrt()).le(there * size) || is_rounding();
+    if is_there && largest(&along).le(there * largest(&sizes)) {
         return Ok(());
     }
     Err(Failure { body, cause: StepFailure::OtherSheet { h, off: off.to_f64(), position: numbers(to) } })

@@ -244,7 +244,8 @@ where
         let near = distance.le(T::from_f64(NOISE) * rounding);
         let floor =
             T::from_f64(T::EPSILON) * size_along(&gradient, dot(&gradient, &gradient).sqrt(), &places);
-        let (arrived, lost) = nearing.look(distance, distance.le(floor), near);
+        let maybe = distance.le(T::from_f64(T::EPSILON.sqrt()) * largest(&places));
+        let (arrived, lost) = nearing.look(distance, distance.le(floor), near, maybe);
         if arrived {
             bodies.kept.normal.as_mut()[body] = normal;
             return Ok(());
