@@ -50,9 +50,9 @@ pub(crate) const SHIFTS: [f64; 6] = [-46368.0, -6765.0, -144.0, 21.0, 987.0, 177
 /// g follows shifts by up to 46 368 roundings of a size if it is off by no more than this part of that size.
 pub(crate) const FOLLOWED: f64 = 2048.0 * f64::EPSILON;
 
-/// Where nothing is known of how large a surface is, its terms are taken to be at most so many times as large as places
-/// on it.
-pub(crate) const AS_LARGE: f64 = 4_294_967_296.0;
+/// Where nothing is known of how large a surface is, terms of g are taken to be at most so many times as large as
+/// places on it, and it is looked for their size in steps of so many times.
+pub(crate) const LARGER: [f64; 2] = [4_294_967_296.0, 256.0];
 
 /// The rounding of g as a distance. `bent` shifts the place along the normal, and tells by how much g is no straight
 /// line there. Terms of g may be larger than the coordinates, near the origin of a large sphere say, but no larger than

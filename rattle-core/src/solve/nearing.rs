@@ -2,16 +2,10 @@
 //!
 //! It projects starts, and ends of steps of methods that ignore constraints inside a step. Each Newton step evaluates
 //! the constraints at its end, which gives a distance. The iteration has converged where the distance is at the
-//! rounding of the coordinates, or where a small distance is no longer halved: then it is the rounding of g itself.
-//! Near the origin of a large sphere through it, say, terms of g are larger than any coordinate, and so is its
-//! rounding: there a distance that has half of the digits, and no longer shrinks, is one. It has failed where a
-//! distance that is not small shrinks by too little.
+//! rounding of the coordinates, or where a small distance is no longer halved: then it is the rounding of g itself. It
+//! has failed where a distance that is not small shrinks by too little.
 
 use crate::number::real::Scalar;
-
-/// A distance that is at least this part of the last one no longer shrinks: near a singular point each is a half of the
-/// one before.
-const STAYS: f64 = 0.75;
 
 /// The distance that the last Newton step began at.
 #[derive(Debug, Clone, Copy)]
@@ -28,12 +22,11 @@ impl<T: Scalar> Nearing<T> {
     }
 
     /// Whether the iteration has arrived, and whether it is lost. `there` says that the distance is at the rounding of
-    /// the coordinates, `near` that it may be the rounding of g, and `maybe` that it may be if terms of g are larger.
+    /// the coordinates, `near` that it may be the rounding of g.
     #[inline(always)]
-    pub(crate) fn look(&mut self, distance: T, there: bool, near: bool, maybe: bool) -> (bool, bool) {
-        let stays = (T::from_f64(STAYS) * self.last).le(distance);
-        let arrived = there | (near & self.last.le(distance + distance)) | (maybe & stays);
-        let nearer = near | maybe | distance.lt(self.part * self.last); // false for NaN
+    pub(crate) fn look(&mut self, distance: T, there: bool, near: bool) -> (bool, bool) {
+        let arrived = there | (near & self.last.le(distance + distance));
+        let nearer = near | distance.lt(self.part * self.last); // false for NaN
         self.last = distance;
         (arrived, !(arrived | nearer))
     }

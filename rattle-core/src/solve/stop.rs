@@ -128,11 +128,12 @@ impl<T: Scalar> Shrinking<T> {
     }
 }
 
-/// The largest of some displacements that is at least this part of that of as many before is no smaller.
-const STAY: f64 = 0.75;
+/// The largest of some displacements stays if it is at least this part of that of as many before, and no larger than by
+/// the inverse.
+const STAYS: f64 = 0.75;
 
-/// Displacements of stages that no longer shrink, though they are above [`NOISE`]: the rounding of terms of g that are
-/// larger than coordinates, where half of the digits hold. Single ones say little, as roundings differ.
+/// Displacements of stages that neither shrink nor grow, though they are above [`NOISE`]: they may be the rounding of
+/// terms of g that are larger than coordinates. Single ones say little, as roundings differ.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stalling {
     now: f64,
@@ -143,16 +144,15 @@ impl Stalling {
     /// Before the first displacement.
     pub(crate) const START: Self = Self { now: 0.0, before: f64::INFINITY };
     /// The largest of so many displacements is compared with that of as many before.
-    const MOVES: usize = 8;
+    pub(crate) const MOVES: usize = 8;
 
-    /// Notes another displacement, in roundings of this size; the iteration is the number of those before. Whether they
-    /// have come to rest as far as they will.
-    pub(crate) fn note(&mut self, roundings: f64, iteration: usize, rounding: f64) -> bool {
-        self.now = larger(self.now, roundings);
+    /// Notes another displacement; the iteration is the number of those before. Whether they stay as large as they are.
+    pub(crate) fn note(&mut self, moved: f64, iteration: usize) -> bool {
+        self.now = larger(self.now, moved);
         if !(iteration + 1).is_multiple_of(Self::MOVES) {
             return false;
         }
-        let stays = STAY * self.before <= self.now && self.now * rounding.sqrt() <= 1.0;
+        let stays = STAYS * self.before <= self.now && STAYS * self.now <= self.before;
         *self = Self { now: 0.0, before: self.now };
         stays
     }

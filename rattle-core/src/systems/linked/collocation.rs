@@ -26,7 +26,8 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
-use crate::solve::aim::{AS_LARGE, NOISY, rounding_of_g};
+use crate::solve::aim::{FOLLOWED, LARGER, NOISY, SHIFTS};
+use crate::solve::crowd::there;
 use crate::solve::stop::{LAST_OF_STAGES, NOISE, Stalling};
 use crate::systems::linked::kept::{BodiesOf, Furthest, Linked, Tied, along};
 use crate::systems::linked::room::Stages;
@@ -42,8 +43,10 @@ const PATIENCE: usize = 20;
 /// Where displacements still do not become smaller after so many, they may be rounding, see
 /// [`allow_for_angles`](Linked::allow_for_angles); before, they may do so on the way to the stages.
 const SETTLED: usize = 12;
-/// Iterations after which displacements that hardly shrink will not become small.
-const LOST: usize = 23;
+
+/// Iterations after which displacements that hardly shrink will not become small: by then it is asked whether they
+/// stay.
+const LOST: usize = 3 * Stalling::MOVES - 1;
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     /// One step of the collocation method with this table.
@@ -139,13 +142,24 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         shape.values(c, time, q, &mut room.g);
         let value = room.g[row];
         room.trial.copy_from_slice(q);
-        let rounding = rounding_of_g(size, AS_LARGE * size, |shift| {
+        let noise = noise_of_terms(size, |shift| {
             normals().for_each(|(body, n)| room.trial[body] = add_scaled(&q[body], shift / length, &n));
             shape.values(c, time, &room.trial, &mut room.g);
             ((room.g[row] - value) / length - shift).abs()
         });
         shape.values(c, time, q, &mut room.g);
-        distance <= NOISY * rounding
+        distance <= noise
+    }
+
+    /// Whether displacements by so many roundings of these sizes, which stay, are those of the terms of an equation.
+    #[cold]
+    #[inline(never)]
+    fn are_rounding(&self, roundings: f64, sizes: &[f64], bodies: &mut BodiesOf<F, N, D>) -> bool {
+        let size = sizes.iter().fold(0.0, |most: f64, &size| most.max(size));
+        let moved = roundings * f64::EPSILON * size;
+        self.shape.components.iter().enumerate().any(|(c, component)| {
+            (0..component.rows.equations()).any(|row| self.is_rounding(c, row, moved, bodies))
+        })
     }
 
     /// Constant acceleration, that with g̈ = 0 at the start.
@@ -296,7 +310,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             }
             let contraction = worst / last;
             let stalled = iteration > 3 && contraction >= 0.9;
-            let rests = worst.is_finite() && stalling.note(worst, iteration, f64::EPSILON);
+            let rests = worst.is_finite()
+                && stalling.note(worst, iteration)
+                && self.are_rounding(worst, &stages.sizes, bodies);
             if worst <= LAST_OF_STAGES || (stalled && worst < NOISE * long) || rests {
                 return Ok(());
             }
@@ -438,4 +454,21 @@ fn pull<const D: usize>(rows: &Rows, blocks: &[[f64; D]], lambda: &[f64], force:
             force[body] = add_scaled(&force[body], lambda[row], &blocks[block]);
         }
     }
+}
+
+/// What may be taken for the rounding of g, as a distance, where its terms may be larger than coordinates of this size.
+/// `bent` shifts places along the normal, and tells by how much g does not follow: by no more than rounding, where the
+/// shift is some roundings of the size of the terms. Nothing where it never follows.
+fn noise_of_terms(size: f64, mut bent: impl FnMut(f64) -> f64) -> f64 {
+    let [most, step] = LARGER;
+    let mut times = 1.0;
+    while times <= most {
+        let size = times * size;
+        let rounding = SHIFTS.into_iter().map(|share| bent(share * f64::EPSILON * size)).fold(0.0, f64::max);
+        if rounding <= FOLLOWED * size {
+            return (NOISY * rounding).min(there::<f64>() * size);
+        }
+        times *= step;
+    }
+    0.0
 }

@@ -72,10 +72,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> f
                 let found = bodies.kept.tied.normals(shape, c, time, q);
                 // In roundings of the places alone: a velocity that has run away must not make up for the distance.
                 let Furthest { distance, roundings, of_all, row: worst } = self.furthest(c, 0.0, bodies);
-                let (arrived, lost) = {
-                    let maybe = of_all * f64::EPSILON.sqrt() <= 1.0;
-                    nearing.look(distance, roundings <= 1.0, of_all <= long, maybe)
-                };
+                let (arrived, lost) = nearing.look(distance, roundings <= 1.0, of_all <= long);
                 let arrived = arrived || (lost && self.is_rounding(c, worst, distance, bodies));
                 if arrived {
                     bodies.kept.tied.check_rank(shape, c, bodies.q.as_ref(), found)?;

@@ -162,7 +162,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         let shape = &*self.shape;
         let (from, to, time) = (before.q.as_ref(), now.q.as_ref(), [before.time, now.time]);
         let Tied { room, blocks, .. } = &mut now.kept.tied;
-        let mut off = Vec::new(); // mostly empty
+        let mut farthest: Option<(usize, usize, f64)> = None;
         for s in INSIDE {
             for body in 0..to.len() {
                 room.trial[body] = between(h, s, [&from[body], &to[body]], room, body);
@@ -187,14 +187,17 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                         most = most.max(allowed(body));
                     }
                     let (g, length) = (room.g[row].abs(), square.sqrt());
-                    let small = g <= most * length;
-                    if !small {
-                        off.push((c, row, g / length)); // where it is not a number either
+                    let (small, distance) = (g <= most * length, g / length);
+                    if !(small || quartic && distance.is_finite()) {
+                        return true; // where it is not a number either
+                    }
+                    if !small && farthest.is_none_or(|(_, _, most)| most < distance) {
+                        farthest = Some((c, row, distance));
                     }
                 }
             }
         }
-        off.into_iter().any(|(c, row, distance)| !self.is_rounding(c, row, distance, now))
+        farthest.is_some_and(|(c, row, distance)| !self.is_rounding(c, row, distance, now))
     }
 
     /// Goes from the start of a step to its end in small parts. An error where that is not reached.

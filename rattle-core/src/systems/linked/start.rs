@@ -429,7 +429,7 @@ fn place<const D: usize>(
         }
         let stays = correction <= f64::EPSILON * size;
         let contradicts = distance > START_TOLERANCE * size;
-        if nearing.look(distance, stays && (there || contradicts), distance <= NEAR * size, false).0 {
+        if nearing.look(distance, stays && (there || contradicts), distance <= NEAR * size).0 {
             if contradicts {
                 let cause = StartFailure::Contradictory { equation: shape.equation_at(c, worst), distance };
                 return Err(at(shape, c, worst, cause));

@@ -283,7 +283,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             let level = Level::of(&self.constraint, &at, &at);
             let Level { value, gradients, size, .. } = level;
             let (_, roundings) = worst(&value, &size);
-            if nearing.look(roundings, roundings <= 1.0, roundings <= NOISE, false).0 {
+            if nearing.look(roundings, roundings <= 1.0, roundings <= NOISE).0 {
                 // Else fibres lead off g = 0.
                 match self.slide_start(&level, &at) {
                     Ok(there) => return Ok(there),

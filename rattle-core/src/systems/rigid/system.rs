@@ -233,7 +233,7 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
             loop {
                 let deviation = deviation(place.q);
                 let distance = largest(&deviation);
-                let (arrived, lost) = nearing.look(distance, distance <= CROOKED, false, false);
+                let (arrived, lost) = nearing.look(distance, distance <= CROOKED, false);
                 if arrived {
                     break;
                 }

@@ -27,11 +27,10 @@ use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
-use crate::solve::aim::NOISY;
 use crate::solve::root::{STAGES_ALIKE, alike};
 use crate::solve::stop::{LAST_OF_STAGES, NOISE, Stalling, size_along};
 use crate::systems::surface::diagnosis::FailureAt;
-use crate::systems::surface::equation::{Equation, rounding_of_terms};
+use crate::systems::surface::equation::{Equation, noise_of_terms};
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::room::Stages;
@@ -211,7 +210,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 let at = Moment { time: times(stage), positions: &stages.q[stage * n..][..n] };
                 self.effects.evaluate(at, &mut stages.of_effects, &mut stages.force[stage * n..][..n]);
             }
-            let (mut worst, mut slowest) = (0.0_f64, 0);
+            let (mut worst, mut slowest, mut slowest_size) = (0.0_f64, 0, zero);
             for body in 0..n {
                 let (moved, far) = improve(
                     &self.constraint,
@@ -237,15 +236,16 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 let ratio = moved / (size * T::from_f64(T::EPSILON));
                 let ratio = if moved.le(zero) { 0.0 } else { ratio.to_f64() };
                 if ratio > worst || ratio.is_nan() {
-                    (worst, slowest) = (ratio, body);
+                    (worst, slowest, slowest_size) = (ratio, body, size);
                 }
             }
             if !worst.is_finite() {
                 return Err(self.not_finite(h, times, stages, slowest, S, iteration));
             }
             let contraction = worst / last;
-            let stalled = stalling.note(worst, iteration, T::EPSILON)
-                || (iteration > 3 && contraction >= 0.5 && worst < NOISE);
+            let stalled = (iteration > 3 && contraction >= 0.5 && worst < NOISE)
+                || (stalling.note(worst, iteration)
+                    && self.is_rounding(bodies, slowest, worst, slowest_size));
             if worst <= LAST_OF_STAGES || stalled {
                 return self.upright::<T, D, S>(h, stages);
             }
@@ -258,6 +258,26 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             (last, last_contraction) = (worst, contraction);
         }
         Ok(()) // not reached: the last iteration returns
+    }
+
+    /// Whether displacements of a body by so many roundings of this size, which stay, are those of the terms of g.
+    #[cold]
+    #[inline(never)]
+    fn is_rounding<T, const D: usize>(
+        &self,
+        bodies: &BodiesOf<N, T, F, D>,
+        body: usize,
+        roundings: f64,
+        size: T,
+    ) -> bool
+    where
+        T: Scalar,
+        K: ConstraintKernel<T, D, 1>,
+        F: Forces<T, D>,
+    {
+        let (q, n) = (&bodies.q.as_ref()[body], &bodies.kept.normal.as_ref()[body].gradient);
+        let moved = T::from_f64(roundings * T::EPSILON) * size;
+        moved.le(noise_of_terms(&self.constraint, q, n, size) * dot(n, n).sqrt())
     }
 
     /// Refuses stages whose normals are turned far against those before.
@@ -385,8 +405,7 @@ fn holds<T: Scalar, const D: usize>(
     size: T,
 ) -> Result<(), f64> {
     let (square, rounding) = (dot(gradient, gradient), T::from_f64(T::EPSILON) * size);
-    let noise = T::from_f64(NOISY) * rounding_of_terms(equation, q, gradient, size);
-    if (g.abs() / square).le(noise) {
+    if (g.abs() / square).le(noise_of_terms(equation, q, gradient, size)) {
         return Ok(());
     }
     Err((g.abs() / (square.sqrt() * rounding)).to_f64())

@@ -4,7 +4,8 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot};
-use crate::solve::aim::{AS_LARGE, FOLLOWED, SHIFTS};
+use crate::solve::aim::{FOLLOWED, LARGER, NOISY, SHIFTS};
+use crate::solve::crowd::there;
 
 /// g(q) = 0. Steps that find their root at once are compiled for each surface; what is rarely done is compiled once,
 /// and given a
@@ -57,25 +58,6 @@ impl<T: Scalar, K: ConstraintKernel<T, D, 1>, const D: usize> Equation<T, D> for
     }
 }
 
-/// The same where terms of g may be larger than places: the size grows until g follows, as in
-/// [`rounding_of_g`](crate::solve::aim::rounding_of_g).
-#[cold]
-#[inline(never)]
-pub(crate) fn rounding_of_terms<T: Scalar, const D: usize>(
-    equation: &dyn Equation<T, D>,
-    q: &[T; D],
-    n: &[T; D],
-    size: T,
-) -> T {
-    let (length, followed) = (dot(n, n).sqrt(), T::from_f64(FOLLOWED / f64::EPSILON * T::EPSILON));
-    let (mut times, mut rounding) = (1.0, rounding_of(equation, q, n, size));
-    while times < AS_LARGE && !(rounding * length).le(followed * T::from_f64(times) * size) {
-        times *= 256.0;
-        rounding = rounding_of(equation, q, n, T::from_f64(times) * size);
-    }
-    rounding
-}
-
 /// The rounding of g itself at a place, as a multiple of ∇g = n: by how much g is no parabola along the normal where
 /// the place is moved by some roundings of this size. The farthest move tells how the surface bends.
 #[cold]
@@ -100,4 +82,29 @@ pub(crate) fn rounding_of<T: Scalar, const D: usize>(
         most.max((off(share) - middle - T::from_f64(part * part) * bent).abs())
     };
     nearer.into_iter().fold(T::from_f64(0.0), most)
+}
+
+/// What may be taken for the rounding of g, as a multiple of ∇g = n, where its terms may be larger than places: as near
+/// the origin of a large sphere through it. Places are moved by some [roundings](rounding_of) of a size that grows
+/// until g follows. Nothing where it never does, as that of waves, which is bent too much.
+#[cold]
+#[inline(never)]
+pub(crate) fn noise_of_terms<T: Scalar, const D: usize>(
+    equation: &dyn Equation<T, D>,
+    q: &[T; D],
+    n: &[T; D],
+    size: T,
+) -> T {
+    let (length, followed) = (dot(n, n).sqrt(), T::from_f64(FOLLOWED / f64::EPSILON * T::EPSILON));
+    let [most, step] = LARGER;
+    let mut times = 1.0;
+    while times <= most {
+        let size = T::from_f64(times) * size;
+        let rounding = rounding_of(equation, q, n, size);
+        if (rounding * length).le(followed * size) {
+            return (T::from_f64(NOISY) * rounding).min(T::from_f64(there::<T>()) * size / length);
+        }
+        times *= step;
+    }
+    T::from_f64(0.0)
 }

@@ -19,11 +19,11 @@ use crate::motion::bodies::{Body, Count, Saved};
 use crate::motion::failure::{Failure, numbers};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
-use crate::solve::aim::{BOLD, INSIDE, NOISY, OFF_INSIDE, ROUNDINGS};
+use crate::solve::aim::{BOLD, INSIDE, OFF_INSIDE, ROUNDINGS};
 use crate::solve::crowd::{FARTHER, is_alone, shift, there};
 use crate::solve::curve::{cubic, quartic};
 use crate::solve::stop::size_along;
-use crate::systems::surface::equation::{Equation, rounding_of_terms};
+use crate::systems::surface::equation::{Equation, noise_of_terms};
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::position::Departure;
@@ -179,14 +179,16 @@ pub(super) fn check_walk<T: Scalar, const D: usize>(
     }
     let off = walk(equation, body, &mut q, to);
     // Another sheet lies along the normal, in which a coordinate may have no part, however large it is.
-    let (there, zero) = (T::from_f64(there::<T>()), T::from_f64(0.0));
-    let ends = [equation.gradient(&from.q), equation.gradient(to)];
-    let known: [T; D] = from_fn(|i| if ends.iter().all(|n| n[i].to_f64() == 0.0) { zero } else { sizes[i] });
-    let (n, size) = (&ends[1], largest(&known));
+    let (there, ends) = (T::from_f64(there::<T>()), [equation.gradient(&from.q), equation.gradient(to)]);
+    let along_normal = ends.map(|n| size_along(&n, dot(&n, &n).sqrt(), &sizes));
+    let (n, size) = (&ends[1], along_normal[0].max(along_normal[1]));
+    // Where all coordinates are small, terms of g may be larger.
+    let known =
+        from_fn(|i| if ends.iter().all(|n| n[i].to_f64() == 0.0) { T::from_f64(0.0) } else { sizes[i] });
     let way = add_scaled(to, T::from_f64(-1.0), &q);
     let normals = dot(n, &way) / dot(n, n);
     let along = add_scaled(&way, -normals, n);
-    let is_rounding = || normals.abs().le(T::from_f64(NOISY) * rounding_of_terms(equation, to, n, size));
+    let is_rounding = || normals.abs().le(noise_of_terms(equation, to, n, largest::<_, D>(&known)));
     let is_there = (normals.abs() * dot(n, n).sqrt()).le(there * size) || is_rounding();
     if is_there && largest(&along).le(there * largest(&sizes)) {
         return Ok(());

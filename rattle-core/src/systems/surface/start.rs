@@ -197,8 +197,7 @@ fn nearest<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         let turned = length_of(&add_scaled(&gradient, -1.0, &last));
         let near = turned <= straight::<f64>() * length;
         last = gradient;
-        if nearing.look(distance, distance <= f64::EPSILON * size_along(&gradient, length, &q), near, false).0
-        {
+        if nearing.look(distance, distance <= f64::EPSILON * size_along(&gradient, length, &q), near).0 {
             return Ok((q, Normal::new(gradient)));
         }
         distances.push(distance);

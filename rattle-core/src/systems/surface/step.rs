@@ -13,7 +13,7 @@ use crate::number::vector::{dot, largest, scaled, sum, two_sum};
 use crate::solve::nearing::Nearing;
 use crate::solve::stop::{NOISE, size_along};
 use crate::systems::surface::diagnosis::FailureAt;
-use crate::systems::surface::equation::Equation;
+use crate::systems::surface::equation::{Equation, noise_of_terms};
 use crate::systems::surface::kept::Kept;
 use crate::systems::surface::landing::Attempt;
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
@@ -244,9 +244,12 @@ where
         let near = distance.le(T::from_f64(NOISE) * rounding);
         let floor =
             T::from_f64(T::EPSILON) * size_along(&gradient, dot(&gradient, &gradient).sqrt(), &places);
-        let maybe = distance.le(T::from_f64(T::EPSILON.sqrt()) * largest(&places));
-        let (arrived, lost) = nearing.look(distance, distance.le(floor), near, maybe);
-        if arrived {
+        let (arrived, lost) = nearing.look(distance, distance.le(floor), near);
+        // Terms of g may be larger than places.
+        let is_rounding = || {
+            (g.abs() * normal.inverse_square).le(noise_of_terms(constraint, q, &gradient, largest(&places)))
+        };
+        if arrived || (lost && is_rounding()) {
             bodies.kept.normal.as_mut()[body] = normal;
             return Ok(());
         }
