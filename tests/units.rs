@@ -2,7 +2,7 @@
 //! no bit else, but for roundings of inner steps of links by power series in lanes. Simulations, and ensembles in
 //! lanes.
 
-use rattle::bodies::Count;
+use rattle::bodies::{Count, One};
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::effect::{Effects, Langevin, LinearDrag};
 use rattle::links::planar::Rod;
@@ -115,18 +115,27 @@ fn check(what: &str, end: impl Fn(Units) -> Vec<Vec<f64>>) {
     }
 }
 
+fn torus(units: Units) -> Scene<Torus, impl Effects<3> + Clone + 'static, One, 3> {
+    Scene::on(Torus { major: 2.0 * units.length, minor: 0.5 * units.length })
+        .with(Pull { force: 0.7 * units.force() })
+}
+
 fn on_a_torus<S: Method>(method: impl Fn(f64, Units) -> S, in_lanes: bool) {
     check(&format!("torus, {}", method(0.05, ONE).name()), |units| {
         let units = Units { mass: 1.0, ..units }; // as bodies on surfaces have
-        let scene = Scene::on(Torus { major: 2.0 * units.length, minor: 0.5 * units.length })
-            .with(Pull { force: 0.7 * units.force() });
         let starts: Vec<_> = (0..5)
             .map(|i| {
                 let p = [0.0, 0.5 + 0.1 * f64::from(i), 0.4].map(|x| x * units.momentum());
                 State::at([2.5 * units.length, 0.0, 0.0]).moving(p)
             })
             .collect();
-        ends(&scene, &starts, &method(0.05 * units.time, units), [units.length, units.momentum()], in_lanes)
+        ends(
+            &torus(units),
+            &starts,
+            &method(0.05 * units.time, units),
+            [units.length, units.momentum()],
+            in_lanes,
+        )
     });
 }
 
@@ -153,9 +162,7 @@ fn of_flows_on_surfaces() {
         ($what:expr, $flow:expr) => {
             check($what, |units| {
                 let units = Units { mass: 1.0, ..units };
-                let scene = Scene::on(Torus { major: 2.0 * units.length, minor: 0.5 * units.length })
-                    .with(Pull { force: 0.7 * units.force() })
-                    .with($flow(units));
+                let scene = torus(units).with($flow(units));
                 let start = State::at([2.5 * units.length, 0.0, 0.0])
                     .moving([0.0, 0.5, 0.4].map(|x| x * units.momentum()));
                 let method = Baoab::new(0.05 * units.time);

@@ -262,10 +262,11 @@ fn at_places<Y: System<f64, D>, const D: usize>(
     marks
 }
 
-/// Of the places themselves; of bodies with their momenta; and of what flows do in a step, which tells rates from
-/// others that are too fast to be told after [`BESIDE`].
+/// Of the places themselves.
 pub(in crate::run) const AT_ITS_PLACES: &str = "at its places";
+/// Of bodies with their momenta.
 pub(in crate::run) const IN_MOTION: &str = "in motion";
+/// Of what flows do in a step, which tells rates from others that are too fast to be told after [`BESIDE`].
 pub(in crate::run) const IN_A_STEP: &str = "in a step";
 
 /// The same part, asked so; records of before do not tell of it.

@@ -17,6 +17,7 @@
 use crate::error::Error;
 use crate::motion::record::{Reading, Record};
 use crate::number::real::Scalar;
+use crate::solve::crowd::there;
 
 /// A guess is off as usual if what it is off by differs from what the last two let expect by at most this part of
 /// the larger of them.
@@ -47,12 +48,15 @@ pub(crate) const LITTLE: f64 = 1e4;
 /// By so many roundings a body is moved to find that of g.
 pub(crate) const SHIFTS: [f64; 6] = [-46368.0, -6765.0, -144.0, 21.0, 987.0, 17711.0];
 
-/// g follows shifts by up to 46 368 roundings of a size if it is off by no more than this part of that size.
-pub(crate) const FOLLOWED: f64 = 2048.0 * f64::EPSILON;
+/// g follows shifts by up to 46 368 roundings of a size if it is off by no more than so many roundings of that size.
+const FOLLOWED: f64 = 2048.0;
 
 /// Where nothing is known of how large a surface is, terms of g are taken to be at most so many times as large as
-/// places on it, and it is looked for their size in steps of so many times.
-pub(crate) const LARGER: [f64; 2] = [4_294_967_296.0, 256.0];
+/// places on it.
+const LARGER: f64 = 4_294_967_296.0;
+
+/// By which a size grows until g follows.
+const GROWS: f64 = 256.0;
 
 /// The rounding of g as a distance. `bent` shifts the place along the normal, and tells by how much g is no straight
 /// line there. Terms of g may be larger than the coordinates, near the origin of a large sphere say, but no larger than
@@ -66,11 +70,27 @@ pub(crate) fn rounding_of_g(coordinates: f64, singular: f64, mut bent: impl FnMu
         let rounding = shifts
             .into_iter()
             .fold(0.0, |worst: f64, shift| worst.max(bent(shift) - shift * shift / singular));
-        if rounding <= FOLLOWED * size || size >= most {
+        if rounding <= FOLLOWED * f64::EPSILON * size || size >= most {
             return rounding;
         }
-        size *= 256.0;
+        size *= GROWS;
     }
+}
+
+/// What may be taken for the rounding of g, as a distance, where nothing is known of its terms, which may be larger
+/// than places of this size: as near the origin of a large sphere through it. `rounding` tells what it is where places
+/// are moved by some roundings of a size, which grows until g follows. Nothing where it never does, as that of waves,
+/// which is bent too much.
+pub(crate) fn noise_of_terms<T: Scalar>(size: f64, mut rounding: impl FnMut(f64) -> f64) -> f64 {
+    let mut times = 1.0;
+    while times <= LARGER {
+        let (size, found) = (times * size, rounding(times * size));
+        if found <= FOLLOWED * T::EPSILON * size {
+            return (NOISY * found).min(there::<T>() * size);
+        }
+        times *= GROWS;
+    }
+    0.0
 }
 
 /// Where it is looked inside a step: two places far apart in phase, for sheets at any distance.

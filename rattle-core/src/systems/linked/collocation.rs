@@ -26,8 +26,7 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
-use crate::solve::aim::{FOLLOWED, LARGER, NOISY, SHIFTS};
-use crate::solve::crowd::there;
+use crate::solve::aim::{SHIFTS, noise_of_terms};
 use crate::solve::stop::{LAST_OF_STAGES, NOISE, Stalling};
 use crate::systems::linked::kept::{BodiesOf, Furthest, Linked, Tied, along};
 use crate::systems::linked::room::Stages;
@@ -142,11 +141,14 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         shape.values(c, time, q, &mut room.g);
         let value = room.g[row];
         room.trial.copy_from_slice(q);
-        let noise = noise_of_terms(size, |shift| {
+        let mut bent = |shift: f64| {
             normals().for_each(|(body, n)| room.trial[body] = add_scaled(&q[body], shift / length, &n));
             shape.values(c, time, &room.trial, &mut room.g);
             ((room.g[row] - value) / length - shift).abs()
-        });
+        };
+        let rounding =
+            |size: f64| SHIFTS.into_iter().map(|share| bent(share * f64::EPSILON * size)).fold(0.0, f64::max);
+        let noise = noise_of_terms::<f64>(size, rounding);
         shape.values(c, time, q, &mut room.g);
         distance <= noise
     }
@@ -454,21 +456,4 @@ fn pull<const D: usize>(rows: &Rows, blocks: &[[f64; D]], lambda: &[f64], force:
             force[body] = add_scaled(&force[body], lambda[row], &blocks[block]);
         }
     }
-}
-
-/// What may be taken for the rounding of g, as a distance, where its terms may be larger than coordinates of this size.
-/// `bent` shifts places along the normal, and tells by how much g does not follow: by no more than rounding, where the
-/// shift is some roundings of the size of the terms. Nothing where it never follows.
-fn noise_of_terms(size: f64, mut bent: impl FnMut(f64) -> f64) -> f64 {
-    let [most, step] = LARGER;
-    let mut times = 1.0;
-    while times <= most {
-        let size = times * size;
-        let rounding = SHIFTS.into_iter().map(|share| bent(share * f64::EPSILON * size)).fold(0.0, f64::max);
-        if rounding <= FOLLOWED * size {
-            return (NOISY * rounding).min(there::<f64>() * size);
-        }
-        times *= step;
-    }
-    0.0
 }

@@ -30,7 +30,7 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::solve::root::{STAGES_ALIKE, alike};
 use crate::solve::stop::{LAST_OF_STAGES, NOISE, Stalling, size_along};
 use crate::systems::surface::diagnosis::FailureAt;
-use crate::systems::surface::equation::{Equation, noise_of_terms};
+use crate::systems::surface::equation::{Equation, is_rounding};
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::room::Stages;
@@ -243,9 +243,13 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 return Err(self.not_finite(h, times, stages, slowest, S, iteration));
             }
             let contraction = worst / last;
+            let rounded = || {
+                let (q, n) = (&bodies.q.as_ref()[slowest], &bodies.kept.normal.as_ref()[slowest].gradient);
+                let normals = T::from_f64(worst * T::EPSILON) * slowest_size / dot(n, n).sqrt();
+                is_rounding(&self.constraint, q, n, slowest_size, normals)
+            };
             let stalled = (iteration > 3 && contraction >= 0.5 && worst < NOISE)
-                || (stalling.note(worst, iteration)
-                    && self.is_rounding(bodies, slowest, worst, slowest_size));
+                || (stalling.note(worst, iteration) && rounded());
             if worst <= LAST_OF_STAGES || stalled {
                 return self.upright::<T, D, S>(h, stages);
             }
@@ -258,26 +262,6 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             (last, last_contraction) = (worst, contraction);
         }
         Ok(()) // not reached: the last iteration returns
-    }
-
-    /// Whether displacements of a body by so many roundings of this size, which stay, are those of the terms of g.
-    #[cold]
-    #[inline(never)]
-    fn is_rounding<T, const D: usize>(
-        &self,
-        bodies: &BodiesOf<N, T, F, D>,
-        body: usize,
-        roundings: f64,
-        size: T,
-    ) -> bool
-    where
-        T: Scalar,
-        K: ConstraintKernel<T, D, 1>,
-        F: Forces<T, D>,
-    {
-        let (q, n) = (&bodies.q.as_ref()[body], &bodies.kept.normal.as_ref()[body].gradient);
-        let moved = T::from_f64(roundings * T::EPSILON) * size;
-        moved.le(noise_of_terms(&self.constraint, q, n, size) * dot(n, n).sqrt())
     }
 
     /// Refuses stages whose normals are turned far against those before.
@@ -405,7 +389,7 @@ fn holds<T: Scalar, const D: usize>(
     size: T,
 ) -> Result<(), f64> {
     let (square, rounding) = (dot(gradient, gradient), T::from_f64(T::EPSILON) * size);
-    if (g.abs() / square).le(noise_of_terms(equation, q, gradient, size)) {
+    if is_rounding(equation, q, gradient, size, g / square) {
         return Ok(());
     }
     Err((g.abs() / (square.sqrt() * rounding)).to_f64())

@@ -4,8 +4,7 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot};
-use crate::solve::aim::{FOLLOWED, LARGER, NOISY, SHIFTS};
-use crate::solve::crowd::there;
+use crate::solve::aim::{SHIFTS, noise_of_terms};
 
 /// g(q) = 0. Steps that find their root at once are compiled for each surface; what is rarely done is compiled once,
 /// and given a
@@ -84,27 +83,18 @@ pub(crate) fn rounding_of<T: Scalar, const D: usize>(
     nearer.into_iter().fold(T::from_f64(0.0), most)
 }
 
-/// What may be taken for the rounding of g, as a multiple of ∇g = n, where its terms may be larger than places: as near
-/// the origin of a large sphere through it. Places are moved by some [roundings](rounding_of) of a size that grows
-/// until g follows. Nothing where it never does, as that of waves, which is bent too much.
+/// Whether what is off by so many ∇g = n is so by the rounding of g, whose [terms](noise_of_terms) may be larger than
+/// places of this size.
 #[cold]
 #[inline(never)]
-pub(crate) fn noise_of_terms<T: Scalar, const D: usize>(
+pub(crate) fn is_rounding<T: Scalar, const D: usize>(
     equation: &dyn Equation<T, D>,
     q: &[T; D],
     n: &[T; D],
     size: T,
-) -> T {
-    let (length, followed) = (dot(n, n).sqrt(), T::from_f64(FOLLOWED / f64::EPSILON * T::EPSILON));
-    let [most, step] = LARGER;
-    let mut times = 1.0;
-    while times <= most {
-        let size = T::from_f64(times) * size;
-        let rounding = rounding_of(equation, q, n, size);
-        if (rounding * length).le(followed * size) {
-            return (T::from_f64(NOISY) * rounding).min(T::from_f64(there::<T>()) * size / length);
-        }
-        times *= step;
-    }
-    T::from_f64(0.0)
+    off: T,
+) -> bool {
+    let length = dot(n, n).sqrt().to_f64();
+    let rounding = |size: f64| length * rounding_of(equation, q, n, T::from_f64(size)).to_f64();
+    off.abs().to_f64() * length <= noise_of_terms::<T>(size.to_f64(), rounding)
 }

@@ -23,7 +23,7 @@ use crate::solve::aim::{BOLD, INSIDE, OFF_INSIDE, ROUNDINGS};
 use crate::solve::crowd::{FARTHER, is_alone, shift, there};
 use crate::solve::curve::{cubic, quartic};
 use crate::solve::stop::size_along;
-use crate::systems::surface::equation::{Equation, noise_of_terms};
+use crate::systems::surface::equation::{Equation, is_rounding};
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::position::Departure;
@@ -188,8 +188,8 @@ pub(super) fn check_walk<T: Scalar, const D: usize>(
     let way = add_scaled(to, T::from_f64(-1.0), &q);
     let normals = dot(n, &way) / dot(n, n);
     let along = add_scaled(&way, -normals, n);
-    let is_rounding = || normals.abs().le(noise_of_terms(equation, to, n, largest::<_, D>(&known)));
-    let is_there = (normals.abs() * dot(n, n).sqrt()).le(there * size) || is_rounding();
+    let is_there = (normals.abs() * dot(n, n).sqrt()).le(there * size)
+        || is_rounding(equation, to, n, largest::<_, D>(&known), normals);
     if is_there && largest(&along).le(there * largest(&sizes)) {
         return Ok(());
     }

@@ -13,7 +13,7 @@ use crate::number::vector::{dot, largest, scaled, sum, two_sum};
 use crate::solve::nearing::Nearing;
 use crate::solve::stop::{NOISE, size_along};
 use crate::systems::surface::diagnosis::FailureAt;
-use crate::systems::surface::equation::{Equation, noise_of_terms};
+use crate::systems::surface::equation::{Equation, is_rounding};
 use crate::systems::surface::kept::Kept;
 use crate::systems::surface::landing::Attempt;
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
@@ -245,11 +245,8 @@ where
         let floor =
             T::from_f64(T::EPSILON) * size_along(&gradient, dot(&gradient, &gradient).sqrt(), &places);
         let (arrived, lost) = nearing.look(distance, distance.le(floor), near);
-        // Terms of g may be larger than places.
-        let is_rounding = || {
-            (g.abs() * normal.inverse_square).le(noise_of_terms(constraint, q, &gradient, largest(&places)))
-        };
-        if arrived || (lost && is_rounding()) {
+        let off = g * normal.inverse_square;
+        if arrived || (lost && is_rounding(constraint, q, &gradient, largest(&places), off)) {
             bodies.kept.normal.as_mut()[body] = normal;
             return Ok(());
         }
