@@ -136,9 +136,27 @@ where
 }
 
 /// The first place on the way where the normal of an equation jumps.
+pub(crate) fn first_kink<T, K, const D: usize, const H: usize, const M: usize>(
+    kernel: &K,
+    from: &Place<f64, D, H>,
+    to: &Place<f64, D, H>,
+) -> Option<Kink>
+where
+    T: Scalar,
+    K: Kinked<T, D, H, M>,
+{
+    // A constant, so that compilers pass over the search where there are no kinks.
+    let search: Search<K, D, H> =
+        const { if K::KINKS.is_empty() { |_, _, _| None } else { search::<T, K, D, H, M> } };
+    search(kernel, from, to)
+}
+
+/// Who looks for a kink between two places.
+type Search<K, const D: usize, const H: usize> = fn(&K, &Place<f64, D, H>, &Place<f64, D, H>) -> Option<Kink>;
+
 #[cold]
 #[inline(never)]
-pub(crate) fn first_kink<T, K, const D: usize, const H: usize, const M: usize>(
+fn search<T, K, const D: usize, const H: usize, const M: usize>(
     kernel: &K,
     from: &Place<f64, D, H>,
     to: &Place<f64, D, H>,

@@ -92,7 +92,7 @@ pub(in crate::run) fn constraint_forces<Y: System<f64, D>, const D: usize>(
 ) -> Vec<SVector<f64, D>> {
     let mut forces = vec![[0.0; D]; bodies.q.as_ref().len()];
     system.constraint_forces(bodies, &mut forces);
-    forces.into_iter().map(Into::into).collect()
+    vectors(&forces)
 }
 
 /// Both.
@@ -109,12 +109,19 @@ pub(in crate::run) fn rates<Y: System<f64, D>, const D: usize>(
     bodies: &BodiesOf<Y, f64, D>,
 ) -> [Vec<SVector<f64, D>>; 2] {
     let n = bodies.q.as_ref().len();
-    let (mut pushes, velocities) =
-        (vec![[0.0; D]; n], (0..n).map(|body| system.velocity(bodies, body).into()));
+    let (mut velocities, mut pushes) = (vec![[0.0; D]; n], vec![[0.0; D]; n]);
+    for (body, velocity) in velocities.iter_mut().enumerate() {
+        *velocity = system.velocity(bodies, body);
+    }
     if system.pushes(bodies, &mut pushes).is_err() {
         pushes.fill([0.0; D]);
     }
-    [velocities.collect(), pushes.into_iter().map(Into::into).collect()]
+    [vectors(&velocities), vectors(&pushes)]
+}
+
+/// Vectors as users have them.
+fn vectors<const D: usize>(list: &[[f64; D]]) -> Vec<SVector<f64, D>> {
+    list.iter().map(|&x| x.into()).collect()
 }
 
 /// kT: twice the kinetic energy, without that which moving constraints impose, by the number of independent momenta;
@@ -164,7 +171,11 @@ pub(in crate::run) fn forces<Y: System<f64, D>, const D: usize>(
     places: &[Body<f64, D>],
 ) -> Vec<&'static str> {
     let (mut bodies, mut forces) = (system.bodies(places, 0.0), vec![[0.0; D]; places.len()]);
-    (0..Y::EFFECTS).filter_map(|number| system.add_force_alone(number, &mut bodies, &mut forces)).collect()
+    let mut names = Vec::new();
+    for number in 0..Y::EFFECTS {
+        names.extend(system.add_force_alone(number, &mut bodies, &mut forces));
+    }
+    names
 }
 
 /// Trajectories whose steps are not a system's, but of which each obeys one.

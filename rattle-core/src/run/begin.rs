@@ -177,7 +177,7 @@ pub(in crate::run) fn bodies_at<Y: System<f64, D>, const D: usize>(
     start: &State<D>,
 ) -> BodiesOf<Y, f64, D> {
     let mut bodies = system.bodies(&start.bodies, start.time);
-    if Y::FLOWS > 0 {
+    if const { Y::FLOWS > 0 } {
         bodies.make_room(stir::ROOM);
         if stir::feels(system) {
             let lent = bodies.lend(sticking::ROOM * start.len());

@@ -190,7 +190,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         if let Some(events) = &self.events {
             for contact in &events.search.meetings.kinds {
                 options.push((contact.name(), contact.restitution()));
-                options.extend(contact.parameters().into_iter().map(|x| (contact.name(), x)));
+                for parameter in contact.parameters() {
+                    options.push((contact.name(), parameter));
+                }
             }
             if events.search.over_kinks {
                 options.push(("over_kinks", 1.0));

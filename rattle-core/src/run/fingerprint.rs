@@ -15,7 +15,7 @@
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
-use crate::motion::bodies::Body;
+use crate::motion::bodies::{Body, Count};
 use crate::motion::method::{Method, Stage};
 use crate::motion::parts::{BodiesOf, Given};
 use crate::motion::record::{Hallmark, short_name};
@@ -164,22 +164,20 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
         velocities[body] = system.velocity(&bodies, body);
         pinned[body] = f64::from(u8::from(system.inertia().is_pinned(body)));
     }
-    let masses: Vec<_> = velocities.iter().map(|v| &v[..]).chain([&pinned[..]]).collect();
-    marks.push(Hallmark::of_vectors("masses", "a list", &masses));
+    marks.push(of_masses(&velocities, &pinned));
     marks.push(Hallmark::new("kinetic energy", "a function", vec![system.kinetic_energy(&bodies)]));
     marks.push(of_equations(system, &bodies));
     for number in 0..Y::EFFECTS {
         let mut forces = vec![[0.0; D]; n];
         let name = system.add_force_alone(number, &mut bodies, &mut forces);
         // Flows have no name here, and parameters of their own.
-        let acts = |forces: &[[f64; D]]| forces.as_flattened().iter().any(|&force| force != 0.0);
-        if n > 1 && name.is_some() && !acts(&forces) {
+        if const { Y::Count::MANY } && n > 1 && name.is_some() && !act(&forces) {
             let mut room = system.effects().room(n);
             for halvings in 1..=HALVINGS {
                 let positions = &drawn_together(near, 0.5_f64.powi(halvings))[..];
                 let at = Moment { time: later, positions };
                 system.effects().contribute_alone(number, at, &mut room, &mut forces);
-                if acts(&forces) {
+                if act(&forces) {
                     break;
                 }
             }
@@ -187,19 +185,34 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
         marks.push(of_effect(number, name, &forces));
     }
     marks.push(Hallmark::new("potential energy", "a function", vec![system.potential_energy(&bodies)]));
-    marks.extend(of_flows(system, looks, later, BESIDE));
-    marks.extend((0..Y::FLOWS).filter_map(|number| of_flow(number, system.effects())));
-    let at_places = |time: f64, when: &str| {
-        at_places(system, near, at, time).into_iter().map(|mark| told(mark, when)).collect::<Vec<_>>()
-    };
-    marks.extend(at_places(later, AT_ITS_PLACES));
-    if system.moves_with_time() {
-        marks.extend(at_places(next, "after a step"));
+    if const { Y::FLOWS > 0 } {
+        marks.extend(of_flows(system, looks, later, BESIDE));
+        marks.extend((0..Y::FLOWS).filter_map(|number| of_flow(number, system.effects())));
     }
-    marks.extend(
-        of_flows(system, &looks.in_motion(), next, h.abs()).into_iter().map(|mark| told(mark, IN_A_STEP)),
-    );
+    tell(at_places(system, near, at, later), AT_ITS_PLACES, &mut marks);
+    if system.moves_with_time() {
+        tell(at_places(system, near, at, next), "after a step", &mut marks);
+    }
+    if const { Y::FLOWS > 0 } {
+        tell(of_flows(system, &looks.in_motion(), next, h.abs()), IN_A_STEP, &mut marks);
+    }
     marks
+}
+
+/// Whether there are any forces.
+fn act<const D: usize>(forces: &[[f64; D]]) -> bool {
+    forces.as_flattened().iter().any(|&force| force != 0.0)
+}
+
+/// Velocities, and whether bodies are pinned.
+fn of_masses<const D: usize>(velocities: &[[f64; D]], pinned: &[f64]) -> Hallmark {
+    let masses: Vec<_> = velocities.iter().map(|v| &v[..]).chain([pinned]).collect();
+    Hallmark::of_vectors("masses", "a list", &masses)
+}
+
+/// Adds these marks, [told](told) so.
+pub(in crate::run) fn tell(marks: Vec<Hallmark>, how: &str, to: &mut Vec<Hallmark>) {
+    to.extend(marks.into_iter().map(|mark| told(mark, how)));
 }
 
 /// What flows do there at this time, for so long.
@@ -209,9 +222,6 @@ fn of_flows<Y: System<f64, D>, const D: usize>(
     time: f64,
     during: f64,
 ) -> Vec<Hallmark> {
-    if Y::FLOWS == 0 {
-        return Vec::new();
-    }
     let mut bodies = system.bodies(near, time);
     let velocities: Vec<_> = (0..near.len()).map(|body| system.velocity(&bodies, body)).collect();
     let momenta = Body::momenta(at);
@@ -241,6 +251,11 @@ fn of_equations<Y: System<f64, D>, const D: usize>(system: &Y, bodies: &BodiesOf
     Hallmark::of_parameters("constraints", "a list", numbers)
 }
 
+/// The former bodies at the places of the latter.
+fn put_at<const D: usize>(near: &[Body<f64, D>], at: &[Body<f64, D>]) -> Vec<Body<f64, D>> {
+    near.iter().zip(at).map(|(near, at)| Body { q: at.q, ..*near }).collect()
+}
+
 /// Constraints, energies and forces at the places themselves, with momenta beside those of the bodies.
 fn at_places<Y: System<f64, D>, const D: usize>(
     system: &Y,
@@ -248,15 +263,16 @@ fn at_places<Y: System<f64, D>, const D: usize>(
     at: &[Body<f64, D>],
     time: f64,
 ) -> Vec<Hallmark> {
-    let there: Vec<_> = near.iter().zip(at).map(|(near, at)| Body { q: at.q, ..*near }).collect();
-    let mut bodies = system.bodies(&there, time);
+    let mut bodies = system.bodies(&put_at(near, at), time);
     let mut energies = vec![system.kinetic_energy(&bodies)];
     system.effect_energies(&bodies, &mut energies);
     let mut marks = vec![of_equations(system, &bodies)];
     for number in 0..Y::EFFECTS {
         let mut forces = vec![[0.0; D]; at.len()];
         let name = system.add_force_alone(number, &mut bodies, &mut forces);
-        marks.extend(name.map(|name| of_effect(number, Some(name), &forces)));
+        if name.is_some() {
+            marks.push(of_effect(number, name, &forces));
+        }
     }
     marks.push(Hallmark::of_parameters("energies", "a list", energies));
     marks

@@ -52,7 +52,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let back =
             (0..parts).try_for_each(|_| seldom(&backwards, &self.system, bodies, memory, &mut (), true));
         let n = self.bodies.q.as_ref().len();
-        compare(n, |i| [self.before.body(i), self.bodies.body(i)], back.is_ok(), reversal.tolerance)?;
+        compare(n, &|i| [self.before.body(i), self.bodies.body(i)], back.is_ok(), reversal.tolerance)?;
         self.system.put_back(&mut self.bodies, &reversal.after);
         Ok(())
     }
@@ -64,7 +64,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 /// [`Trouble::NotReversed`] where a coordinate of a place or momentum differs by more than so many times the largest.
 pub(super) fn compare<const D: usize>(
     bodies: usize,
-    was_and_is: impl Fn(usize) -> [Body<f64, D>; 2],
+    was_and_is: &dyn Fn(usize) -> [Body<f64, D>; 2],
     led: bool,
     tolerance: f64,
 ) -> Result<(), Trouble> {

@@ -452,7 +452,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// How often a step may be halved.
     fn most_halvings(&self) -> u32 {
         let whole = self.method.momentum_delay() != 0.0 || self.method.undivided().is_some();
-        self.halving.filter(|_| !whole).map_or(0, |halving| halving.most)
+        match &self.halving {
+            Some(halving) if !whole => halving.most,
+            _ => 0,
+        }
     }
 
     /// Takes the step in trouble in parts, as often halved as is allowed.
@@ -493,7 +496,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     fn look_for_kinks(&mut self, failure: &mut Failure) {
         // On a kink, which is not beyond it, slopes are no numbers; and bodies may become faster on their way there.
         let on_it = usize::from(matches!(failure.cause, StepFailure::ConstraintNotFinite { .. }));
-        for h in [1.0, 1.25].map(|x| x * self.method.step_size()).into_iter().take(1 + on_it) {
+        for ahead in &[1.0, 1.25][..=on_it] {
+            let h = ahead * self.method.step_size();
             if const { S::RENEWS }
                 && let Some(renewal) = self.method.renewal()
             {

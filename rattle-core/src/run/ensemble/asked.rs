@@ -11,7 +11,7 @@ use crate::number::lanes::Lane;
 use crate::number::vector::{dot, scaled, sum};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::laws::Laws;
-use crate::run::fingerprint::{AT_ITS_PLACES, BESIDE, Looks, of_effect, told};
+use crate::run::fingerprint::{AT_ITS_PLACES, BESIDE, Looks, of_effect, tell};
 use crate::run::watch::sight::Sight;
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
 use nalgebra::SVector;
@@ -49,30 +49,35 @@ pub(super) fn hallmarks<S: Lane, X: Laws<S, D>, const D: usize, const SUMS: usiz
 ) -> Vec<Hallmark> {
     let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
     let effects = effects.borrow();
-    let of = |q: [f64; D]| {
-        let q = q.map(S::from_f64);
-        let ([g], [gradient]) = constraint.borrow().value_and_jacobian(&q);
+    let mut marks = vec![of_precision::<S, SUMS>()];
+    for (place, q) in looks.first().iter().enumerate() {
+        let q = [q.map(S::from_f64)];
+        let ([g], [gradient]) = constraint.borrow().value_and_jacobian(&q[0]);
         let constraints = [&numbers(&[g])[..], &numbers(&gradient)];
-        let mut marks = vec![Hallmark::of_vectors("constraints", "a surface", &constraints)];
-        let (at, mut room) = (Moment { time: BESIDE, positions: &[q] }, effects.room(1));
+        let mut there = vec![Hallmark::of_vectors("constraints", "a surface", &constraints)];
+        let (at, mut room) = (Moment { time: BESIDE, positions: &q }, effects.room(1));
         for number in 0..X::Forces::EFFECTS {
             let mut force = [[S::default(); D]];
             let name = effects.contribute_alone(number, at, &mut room, &mut force);
-            marks.push(of_effect(number, name, &force.map(|force| force.map(|x| x.to_f64()))));
+            there.push(of_effect(number, name, numbers(force.as_flattened()).as_chunks::<D>().0));
         }
-        marks.push(Hallmark::new("potential energy", "a function", numbers(&[effects.energy(at)])));
-        marks
-    };
+        there.push(Hallmark::new("potential energy", "a function", numbers(&[effects.energy(at)])));
+        match place {
+            0 => marks.extend(there),
+            _ => tell(there, AT_ITS_PLACES, &mut marks),
+        }
+    }
+    marks
+}
+
+/// In which numbers lanes are computed.
+fn of_precision<S: Lane, const SUMS: usize>() -> Hallmark {
     let precision = match (S::from_f64(1.0 + f64::EPSILON).to_f64() == 1.0, SUMS) {
         (true, _) => "single precision",
         (false, 0) => "double precision",
         (false, _) => "compensated sums",
     };
-    let mut marks = vec![Hallmark::of_parameters("precision", precision, Vec::new()).later()];
-    let [near, at] = looks.first().map(of);
-    marks.extend(near);
-    marks.extend(at.into_iter().map(|mark| told(mark, AT_ITS_PLACES)));
-    marks
+    Hallmark::of_parameters("precision", precision, Vec::new()).later()
 }
 
 /// Potential energy of a body that obeys what a lane does, where and when this sight shows it.

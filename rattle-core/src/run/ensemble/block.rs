@@ -334,14 +334,17 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         let part = &parts[self.part];
         let over = S::from_f64(1.0 / part.unit);
         let ahead = scaled(over, &at(&self.way, lane));
-        let low = self.way_low.first().map_or([S::default(); D], |low| scaled(over, &at(low, lane)));
+        let low = match self.way_low.first() {
+            Some(low) => scaled(over, &at(low, lane)),
+            None => [S::default(); D],
+        };
         let q = at(&self.q, lane);
         let [gradient] = laws.constraint(lane).borrow().jacobian(&q);
         let normal = Normal::new(gradient);
         let change = part.led(-1.0, |kick| laws.kick(lane, &q, kick, low), low);
         let (_, back) = normal.projection(&sum(&ahead, &change));
         let (p, low) = two_sum(&ahead, &sum(&change, &back));
-        [p, low.map(|x| if SUMS == 0 { S::default() } else { x })]
+        [p, if const { SUMS == 0 } { [S::default(); D] } else { low }]
     }
 
     /// The body of a lane.
@@ -398,28 +401,6 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         rows
     }
 
-    /// Whether no other sheet is near the body of one of these lanes, after so many steps; see
-    /// [`crate::solve::crowd`]. A lane's momentum is taken to be no less than this.
-    #[inline(always)]
-    pub(super) fn look_around(
-        &self,
-        steps: u64,
-        lanes: &[bool; L],
-        laws: &impl Laws<S, D>,
-        parts: &[Part],
-        least: impl Fn(usize) -> f64,
-    ) -> Result<(), Stuck> {
-        let (part, Self { q, way, normal, square, guess, past: [last, earlier], .. }) =
-            (&parts[self.part], self);
-        let mut furthest = [S::default(); L];
-        for i in 0..L {
-            let back = guess[i].abs().max(last[i].abs()).max(earlier[i].abs());
-            let pushed = laws.kick(i, &at(q, i), part.push(), [S::default(); D]);
-            furthest[i] = part.furthest(back, &at(way, i), &pushed, &at(normal, i), square[i], least(i));
-        }
-        look_around(laws, steps, lanes, q, normal, square, &furthest)
-    }
-
     /// Whether all momenta are numbers, as they are kept and as they are shown.
     #[inline(always)]
     pub(crate) fn check(&self, laws: &impl Laws<S, D>, parts: &[Part]) -> Result<(), Stuck> {
@@ -464,6 +445,48 @@ where
     /// The body there.
     pub(super) fn body(self, set: Fusing) -> Body<f64, D> {
         set.run_narrow(Showing(self))
+    }
+}
+
+/// Whether no other sheet is near the body of one of these lanes, after so many steps; see [`crate::solve::crowd`]. A
+/// lane's momentum is taken to be no less than this.
+pub(super) struct LookingAround<
+    'a,
+    S,
+    X,
+    const L: usize,
+    const D: usize,
+    const SUMS: usize,
+    const EQUAL: bool,
+> {
+    pub(super) block: &'a Block<S, L, D, SUMS, EQUAL>,
+    pub(super) laws: &'a X,
+    pub(super) parts: &'a [Part],
+    pub(super) steps: u64,
+    pub(super) lanes: &'a [bool; L],
+    pub(super) least: &'a dyn Fn(usize) -> f64,
+}
+
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
+    for LookingAround<'_, S, X, L, D, SUMS, EQUAL>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    type Done = Result<(), Stuck>;
+
+    #[inline(always)]
+    fn run(self) -> Result<(), Stuck> {
+        let Self { block, laws, parts, steps, lanes, least } = self;
+        let (part, Block { q, way, normal, square, guess, past: [last, earlier], .. }) =
+            (&parts[block.part], block);
+        let mut furthest = [S::default(); L];
+        for i in 0..L {
+            let back = guess[i].abs().max(last[i].abs()).max(earlier[i].abs());
+            let pushed = laws.kick(i, &at(q, i), part.push(), [S::default(); D]);
+            furthest[i] = part.furthest(back, &at(way, i), &pushed, &at(normal, i), square[i], least(i));
+        }
+        look_around(laws, steps, lanes, q, normal, square, &furthest)
     }
 }
 

@@ -36,7 +36,8 @@ pub(super) fn reach<S: Lane, const L: usize, const SUMS: usize>(
     to: &mut [S; L],
 ) {
     for l in 0..L {
-        let way = if SUMS > 0 { inner[l].multiply_add(rate[l], low[l]) } else { inner[l] * rate[l] };
+        let way =
+            if const { SUMS > 0 } { inner[l].multiply_add(rate[l], low[l]) } else { inner[l] * rate[l] };
         to[l] = from[l] + way;
     }
 }

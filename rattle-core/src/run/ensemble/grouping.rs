@@ -101,8 +101,7 @@ impl HowInLanes {
 
 /// Whether constraints are of a kind that the method moves in rows: a splitting, one that draws momenta anew, or, of
 /// linked and rigid bodies, [`Dop853`](crate::methods::dop853::Dop853) and [`Taylor`](crate::methods::taylor::Taylor),
-/// and of linked ones collocation. Asked where a constant is wanted: what is not asked for
-/// is then not compiled.
+/// and of linked ones collocation.
 pub(super) const fn goes_as<C: Hold<D>, S: Method, const D: usize>(kind: Kind) -> bool {
     let projects =
         matches!((kind, S::PROJECTS), (Kind::Network | Kind::Rigid, Projecting::Dop853 | Projecting::Taylor));
@@ -213,35 +212,44 @@ fn grouped<P: Precision, S: Method, O: Obeyed<D>, const D: usize>(
     starts: &[State<D>],
     lanes: &HowInLanes,
 ) -> Groups<D> {
+    let wanted = const { wanted::<P, S, O, D>() };
+    wanted(obeyed, starts, lanes)
+}
+
+/// Who does that: a constant, as in [`grouping_kinds`](crate::run::ensemble::grouping_kinds).
+const fn wanted<P: Precision, S: Method, O: Obeyed<D>, const D: usize>()
+-> fn(&O, &[State<D>], &HowInLanes) -> Groups<D> {
     macro_rules! by_stages {
         ($($stages:literal)*) => {$(
-            if const { S::COLLOCATES == $stages && D <= MOST_COORDINATES && !O::FLOWS } {
-                return P::compute(Collocations::<O, $stages, D>(obeyed, starts, lanes));
+            if S::COLLOCATES == $stages && D <= MOST_COORDINATES && !O::FLOWS {
+                return |obeyed, starts, lanes| {
+                    P::compute(Collocations::<O, $stages, D>(obeyed, starts, lanes))
+                };
             }
         )*};
     }
     // Between steps with flows the kicks are not merged, also where a step is one stage.
-    if const { go_in_lanes::<S>(Splitting::OneStage, D) && !O::FLOWS } {
-        return Some(P::compute(Splittings::<O, true, D>(obeyed, starts, lanes)));
+    if go_in_lanes::<S>(Splitting::OneStage, D) && !O::FLOWS {
+        return |obeyed, starts, lanes| Some(P::compute(Splittings::<O, true, D>(obeyed, starts, lanes)));
     }
-    if const { go_in_lanes::<S>(Splitting::OneStage, D) || go_in_lanes::<S>(Splitting::Stages, D) } {
-        return Some(P::compute(Splittings::<O, false, D>(obeyed, starts, lanes)));
+    if go_in_lanes::<S>(Splitting::OneStage, D) || go_in_lanes::<S>(Splitting::Stages, D) {
+        return |obeyed, starts, lanes| Some(P::compute(Splittings::<O, false, D>(obeyed, starts, lanes)));
     }
     by_stages!(2 3 4 5 6 7 8 9);
-    if const { S::RENEWS && D <= MOST_COORDINATES && !O::FLOWS } {
-        return P::compute(Renewals::<O, D>(obeyed, starts, lanes));
+    if D > MOST_COORDINATES || O::FLOWS {
+        return |_, _, _| None;
     }
-    if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 && D <= MOST_COORDINATES && !O::FLOWS } {
-        return P::compute(Projections::<O, D>(obeyed, starts, lanes));
+    if S::RENEWS {
+        return |obeyed, starts, lanes| P::compute(Renewals::<O, D>(obeyed, starts, lanes));
     }
-    if const { S::PROJECTS as u8 == Projecting::Taylor as u8 && D <= MOST_COORDINATES && !O::FLOWS } {
-        return P::compute(Expansions::<O, D>(obeyed, starts, lanes));
+    match S::PROJECTS {
+        Projecting::Dop853 => |obeyed, starts, lanes| P::compute(Projections::<O, D>(obeyed, starts, lanes)),
+        Projecting::Taylor => |obeyed, starts, lanes| P::compute(Expansions::<O, D>(obeyed, starts, lanes)),
+        Projecting::Not => |_, _, _| None,
     }
-    None
 }
 
-/// Whether a method goes in lanes made for splittings of this kind. Asked where a constant is wanted: what is not asked
-/// for is then not compiled.
+/// Whether a method goes in lanes made for splittings of this kind.
 const fn go_in_lanes<S: Method>(kind: Splitting, coordinates: usize) -> bool {
     coordinates <= MOST_COORDINATES && S::SPLITTING as u8 == kind as u8
 }

@@ -209,23 +209,27 @@ impl<E: Effects<D> + 'static, const D: usize> OfLinks<D> for InNetworks<'_, E, D
     }
 }
 
-/// The rows, moved as this method moves them. What is not asked for is not compiled.
+/// The rows, moved as this method moves them.
 fn moved<P: Precision, S: Method, X: OfLinks<D>, const D: usize>(rows: &X, lanes: &HowInLanes) -> Groups<D> {
+    let mover = const { mover::<P, S, X, D>() };
+    mover(rows, lanes)
+}
+
+/// Who moves them so: a constant, as in [`grouping_kinds`](crate::run::ensemble::grouping_kinds).
+const fn mover<P: Precision, S: Method, X: OfLinks<D>, const D: usize>() -> fn(&X, &HowInLanes) -> Groups<D> {
     macro_rules! by_stages {
         ($($stages:literal)*) => {$(
-            if const { S::COLLOCATES == $stages } {
-                return rows.by(&(Lobatto::<$stages>::new(lanes.h), lanes.set));
+            if S::COLLOCATES == $stages {
+                return |rows, lanes| rows.by(&(Lobatto::<$stages>::new(lanes.h), lanes.set));
             }
         )*};
     }
     by_stages!(2 3 4 5 6 7 8 9);
-    if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 } {
-        return rows.by(&(lanes.dop853(), lanes.set));
+    match S::PROJECTS {
+        Projecting::Dop853 => |rows, lanes| rows.by(&(lanes.dop853(), lanes.set)),
+        Projecting::Taylor => |rows, lanes| rows.by(&(lanes.taylor(), lanes.set)),
+        Projecting::Not => |rows, lanes| rows.by(&lanes.splits::<P, S>(X::FLOWS)),
     }
-    if const { S::PROJECTS as u8 == Projecting::Taylor as u8 } {
-        return rows.by(&(lanes.taylor(), lanes.set));
-    }
-    rows.by(&lanes.splits::<P, S>(X::FLOWS))
 }
 
 /// Trajectories of linked bodies, no more than there are lanes, in rows.
@@ -250,10 +254,10 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
 
 /// Trajectories of rigid bodies, no more than there are lanes, in rows, in systems of one scene, or in scenes of their
 /// own.
-pub(super) fn rigid<P: Precision, S: Method, Y: System<f64, D>, const D: usize>(
+pub(super) fn rigid<P: Precision, S: Method, X: Turned, Y: System<f64, D>, const D: usize>(
     bodies: &[&Rigid],
     systems: &[Y],
-    effects: &impl Turned,
+    effects: &X,
     starts: &[State<D>],
     lanes: &HowInLanes,
 ) -> Groups<D> {
@@ -262,22 +266,34 @@ pub(super) fn rigid<P: Precision, S: Method, Y: System<f64, D>, const D: usize>(
         return None;
     }
     let rows = Rigids { bodies, systems, effects, starts, first: lanes.first };
-    if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 } {
-        let (method, set) = (lanes.dop853(), lanes.set);
-        return rows.of(&|_, laws, n| Some(Box::new(RigidProjected::<_, Y, D>::new(laws, n, method, set))));
-    }
-    if const { S::PROJECTS as u8 == Projecting::Taylor as u8 } {
-        let (method, set) = (lanes.taylor(), lanes.set);
-        return rows.of(&|from, laws, n| {
-            let method = TaylorOfRigid { method, pulls: effects.series::<ROW_OF_PROJECTED>(from, n)? };
-            Some(Box::new(RigidProjected::<_, Y, D>::new(laws, n, method, set)))
-        });
-    }
-    let method = Arc::new(lanes.splits::<P, S>(const { Y::FLOWS > 0 }));
-    if starts.len() <= 3 * FEW {
-        rows.of(&|_, laws, n| Some(Box::new(RigidLanes::<Y, D, FEW>::new(laws, n, method.clone()))))
-    } else {
-        rows.of(&|_, laws, n| Some(Box::new(RigidLanes::<Y, D, ROW>::new(laws, n, method.clone()))))
+    let turner = const { turner::<P, S, X, Y, D>() };
+    turner(&rows, lanes)
+}
+
+/// Who moves rows of them so: a constant, as above.
+const fn turner<P: Precision, S: Method, X: Turned, Y: System<f64, D>, const D: usize>()
+-> fn(&Rigids<'_, X, Y, D>, &HowInLanes) -> Groups<D> {
+    match S::PROJECTS {
+        Projecting::Dop853 => |rows, lanes| {
+            let (method, set) = (lanes.dop853(), lanes.set);
+            rows.of(&|_, laws, n| Some(Box::new(RigidProjected::<_, Y, D>::new(laws, n, method, set))))
+        },
+        Projecting::Taylor => |rows, lanes| {
+            let (method, set) = (lanes.taylor(), lanes.set);
+            rows.of(&|from, laws, n| {
+                let pulls = rows.effects.series::<ROW_OF_PROJECTED>(from, n)?;
+                let method = TaylorOfRigid { method, pulls };
+                Some(Box::new(RigidProjected::<_, Y, D>::new(laws, n, method, set)))
+            })
+        },
+        Projecting::Not => |rows, lanes| {
+            let method = Arc::new(lanes.splits::<P, S>(const { Y::FLOWS > 0 }));
+            if rows.starts.len() <= 3 * FEW {
+                rows.of(&|_, laws, n| Some(Box::new(RigidLanes::<Y, D, FEW>::new(laws, n, method.clone()))))
+            } else {
+                rows.of(&|_, laws, n| Some(Box::new(RigidLanes::<Y, D, ROW>::new(laws, n, method.clone()))))
+            }
+        },
     }
 }
 

@@ -50,14 +50,14 @@ pub(super) fn read<S: Lane>(rows: Rows<'_, S>, from: &mut Reading<'_>) -> Result
 }
 
 /// Writes rows that need no names.
-pub(super) fn write_all<'a, const W: usize>(rows: impl Iterator<Item = &'a Numbers<W>>, to: &mut Record) {
+pub(super) fn write_all<const W: usize>(rows: &mut dyn Iterator<Item = &Numbers<W>>, to: &mut Record) {
     let numbers: Vec<_> = rows.flat_map(|row| row.0.map(|x| x.0)).collect();
     to.numbers("numbers", &[numbers.len() / W, W], numbers);
 }
 
 /// Fills them with what was written.
-pub(super) fn read_all<'a, const W: usize>(
-    rows: impl Iterator<Item = &'a mut Numbers<W>>,
+pub(super) fn read_all<const W: usize>(
+    rows: &mut dyn Iterator<Item = &mut Numbers<W>>,
     from: &mut Reading<'_>,
 ) -> Result<(), Error> {
     let rows: Vec<_> = rows.collect();

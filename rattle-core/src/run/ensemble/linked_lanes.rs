@@ -446,7 +446,7 @@ where
     }
 
     fn record(&self, to: &mut Record) {
-        write_all(self.numbers.iter(), to);
+        write_all(&mut self.numbers.iter(), to);
         to.counts("part", [self.part as u64]);
         if const { F::FLOWS > 0 } {
             to.list("work", &self.account.work);
@@ -458,7 +458,7 @@ where
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
         let mut again = self.clone();
-        read_all(again.numbers.iter_mut(), from)?;
+        read_all(&mut again.numbers.iter_mut(), from)?;
         let [part] = from.counted("part")?;
         again.part = part as usize % self.common.method.parts.len();
         if const { F::FLOWS > 0 } {

@@ -352,12 +352,12 @@ where
     }
 
     fn record(&self, to: &mut Record) {
-        write_all(self.kept.clone().all().map(|row| &*row), to);
+        write_all(&mut self.kept.clone().all().map(|row| &*row), to);
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
         let mut again = self.clone();
-        read_all(again.kept.all(), from)?;
+        read_all(&mut again.kept.all(), from)?;
         Ok(Box::new(again))
     }
 

@@ -56,7 +56,7 @@ where
     S: Lane,
 {
     let part = &parts[block.part];
-    let lost = if L == 1 {
+    let lost = if const { L == 1 } {
         advance(block, laws, part, &mut Scratch::new())? // in registers
     } else {
         advance(block, laws, part, scratch)?
@@ -94,7 +94,7 @@ fn kept_back<S: Lane, const L: usize, const D: usize, const SUMS: usize, const E
     way_low: &[Vectors<S, L, D>; SUMS],
     lane: usize,
 ) -> [S; D] {
-    if SUMS == 0 {
+    if const { SUMS == 0 } {
         return [S::default(); D];
     }
     plus::<S, D, EQUAL>(&at(&q_low[0], lane), share, &at(&way_low[0], lane))
@@ -120,7 +120,7 @@ where
         laws, share, q, way, q_low, way_low, normal, ahead, free, first, multiplier, over_slope, g,
     );
     let unrest;
-    if L == 1 {
+    if const { L == 1 } {
         // Nothing waits for this lane: it looks at once whether Newton's step was enough.
         g[0] = S::from_f64(1.0) / g[0];
         let newton = Newton { over_first: g[0], over_slope: over_slope[0], multiplier: multiplier[0] };
@@ -199,7 +199,7 @@ fn guess<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool
 {
     for i in 0..L {
         let mut start = at(q, i);
-        if SUMS == 1 {
+        if const { SUMS == 1 } {
             start = sum(&start, &kept_back::<S, L, D, SUMS, EQUAL>(share, q_low, way_low, i));
         }
         let (start, n) = (plus::<S, D, EQUAL>(&start, share, &at(way, i)), at(normal, i));
@@ -362,7 +362,7 @@ fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: boo
     let [a, b, c] = part.weights.map(S::from_f64);
     for i in 0..L {
         let (n, m, old, found) = (at(normal, i), at(next, i), at(way, i), multiplier[i]);
-        let place = if SUMS == 0 {
+        let place = if const { SUMS == 0 } {
             add_scaled(&at(free, i), found, &n)
         } else {
             let back = kept_back::<S, L, D, SUMS, EQUAL>(share, q_low, way_low, i);
@@ -378,7 +378,7 @@ fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: boo
             if EQUAL { change } else { add_scaled(&change, -along / length, &m) }
         };
         let kicked = |p: [S; D]| if KICKS { laws.kick(i, &place, kick, p) } else { p };
-        let new = if SUMS == 0 {
+        let new = if const { SUMS == 0 } {
             let pushed = kicked(add_scaled(&old, push, &n));
             project(pushed, dot(&m, &pushed))
         } else {

@@ -69,6 +69,7 @@ mod engine;
 mod forces_in_lanes;
 mod group;
 mod grouping;
+mod grouping_kinds;
 mod grouping_rows;
 mod inside;
 mod lane_record;

@@ -161,14 +161,14 @@ fn depart<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
     let unit = S::from_f64(S::EPSILON);
     for l in 0..L {
         let (mut by, mut pushed) = (at(way, l), at(change, l));
-        if SUMS > 0 {
+        if const { SUMS > 0 } {
             (by, pushed) = (sum(&at(&now.q_low, l), &by), sum(&at(&now.p_low, l), &pushed));
         }
         let (place, place_low) = two_sum(&at(&now.q, l), &by);
         let (momentum, momentum_low) = two_sum(&at(&now.p, l), &pushed);
         put(q, l, place);
         put(p, l, momentum);
-        if SUMS > 0 {
+        if const { SUMS > 0 } {
             put(q_low, l, place_low);
             put(p_low, l, momentum_low);
         }
@@ -253,13 +253,13 @@ fn approach<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
         let nearer = near | length.lt(last);
         let seeks = zero.lt(seeking[l]);
         let moves = seeks & !arrived & nearer;
-        let by = if SUMS > 0 { sum(&at(q_low, l), &off) } else { off };
+        let by = if const { SUMS > 0 } { sum(&at(q_low, l), &off) } else { off };
         let (there, low) = two_sum(&place, &by);
         for d in 0..D {
             q[d][l] = S::select(moves, there[d], place[d]);
             normal[d][l] = S::select(seeks, gradient[d], normal[d][l]);
         }
-        if SUMS > 0 {
+        if const { SUMS > 0 } {
             for d in 0..D {
                 q_low[d][l] = S::select(moves, low[d], q_low[d][l]);
             }
@@ -283,12 +283,12 @@ fn settle<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
         let (place, momentum, gradient) = (at(q, l), at(p, l), at(normal, l));
         let eta = -dot(&gradient, &momentum) / dot(&gradient, &gradient);
         let mut back = scaled(eta, &gradient);
-        if SUMS > 0 {
+        if const { SUMS > 0 } {
             back = sum(&at(p_low, l), &back);
         }
         let (momentum, low) = two_sum(&momentum, &back);
         put(p, l, momentum);
-        if SUMS > 0 {
+        if const { SUMS > 0 } {
             put(p_low, l, low);
         }
         put(pulls, l, pull(laws, l, &place, &momentum, &gradient).1);
@@ -417,7 +417,7 @@ fn take<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
     for (to, from) in [(q, &trial.q), (p, &trial.p), (normal, &trial.normal), (pull, &trial.pull)] {
         choose(&moves, from, to);
     }
-    if SUMS > 0 {
+    if const { SUMS > 0 } {
         choose(&moves, &trial.q_low, q_low);
         choose(&moves, &trial.p_low, p_low);
     }

@@ -90,7 +90,7 @@ impl<S: Lane, const L: usize, const D: usize> Place<S, L, D> {
         for (vectors, x) in [(places, q), (momenta, p), (normal, gradient), (pull, total)] {
             put(vectors, lane, x);
         }
-        if SUMS > 0 {
+        if const { SUMS > 0 } {
             put(&mut self.q_low, lane, q_low);
             put(&mut self.p_low, lane, p_low);
         }

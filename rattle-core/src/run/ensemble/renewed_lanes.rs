@@ -18,7 +18,7 @@ use crate::number::lanes::{Fused, Lane};
 use crate::number::vector::dot;
 use crate::number::vectors::{Vectors, at};
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
-use crate::run::ensemble::block::{Block, Desk, OfLane, Part, Scratch, is_finite};
+use crate::run::ensemble::block::{Block, Desk, LookingAround, OfLane, Part, Scratch, is_finite};
 use crate::run::ensemble::crossing::crossings;
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::laws::{Laws, system_of};
@@ -259,7 +259,9 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize>
     fn look_around(&mut self, steps: u64, these: &[bool; L]) -> Result<(), Stuck> {
         let Self { lanes, laws, block, limits, .. } = self;
         let least = DEVIATIONS * lanes.renewal.deviation;
-        block.look_around(steps, these, *laws, &[lanes.whole], |_| least)?;
+        let (set, parts) = (lanes.set, &[lanes.whole]);
+        let looking = LookingAround { block, laws: *laws, parts, steps, lanes: these, least: &|_| least };
+        set.run_lanes::<L, _>(looking)?;
         for (l, limit) in limits.iter_mut().enumerate().filter(|&(l, _)| these[l]) {
             let way = at(&block.way, l);
             *limit = LARGER * LARGER * dot(&way, &way).to_f64().max(least * least);

@@ -287,7 +287,7 @@ where
     }
 
     fn record(&self, to: &mut Record) {
-        write_all(self.bodies.clone().iter_mut().flat_map(Rotor::rows).map(|row| &*row), to);
+        write_all(&mut self.bodies.clone().iter_mut().flat_map(Rotor::rows).map(|row| &*row), to);
         to.counts("part", [self.part as u64]);
         if const { Y::FLOWS > 0 } {
             to.list("work", &self.work);
@@ -296,7 +296,7 @@ where
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
         let mut again = self.clone();
-        read_all(again.bodies.iter_mut().flat_map(Rotor::rows), from)?;
+        read_all(&mut again.bodies.iter_mut().flat_map(Rotor::rows), from)?;
         let [part] = from.counted("part")?;
         again.part = part as usize % self.method.parts.len();
         if const { Y::FLOWS > 0 } {

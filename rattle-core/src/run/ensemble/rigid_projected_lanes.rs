@@ -261,12 +261,12 @@ impl<M: ProjectsRigid, Y: System<f64, D>, const D: usize> Engine<D> for RigidPro
     }
 
     fn record(&self, to: &mut Record) {
-        write_all(self.kept.iter().flatten(), to);
+        write_all(&mut self.kept.iter().flatten(), to);
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
         let mut again = self.clone();
-        read_all(again.kept.iter_mut().flatten(), from)?;
+        read_all(&mut again.kept.iter_mut().flatten(), from)?;
         Ok(Box::new(again))
     }
 

@@ -255,7 +255,11 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>
     #[inline(always)]
     pub(super) fn coordinate(&self, d: usize, lane: usize) -> (S, S, S) {
         let (q, p) = (self.q[d][lane], self.p[d][lane]);
-        if SUMS == 0 { (q, S::default(), p) } else { (q, self.q_low[0][d][lane], p + self.p_low[0][d][lane]) }
+        if const { SUMS == 0 } {
+            (q, S::default(), p)
+        } else {
+            (q, self.q_low[0][d][lane], p + self.p_low[0][d][lane])
+        }
     }
 
     /// The body of a lane.

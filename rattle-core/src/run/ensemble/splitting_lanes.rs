@@ -334,19 +334,30 @@ impl<S: Lane, Y: System<S, D>, const D: usize> Work for ByItself<'_, Y, S, D> {
                 stirred.begin(taken, around, system, &mut bodies);
             }
             let start = bodies.saved();
-            if let Err(failure) = step.go(&mut bodies) {
-                let h = time * f64::from(parts);
-                let coast = |bodies: &mut _| system.coast(h, bodies);
-                return Err(of_a_kink_ahead(system, &start, &mut bodies, failure, coast).into());
+            let mut end = None;
+            // Forth, and back: one place, since all of it is inlined.
+            loop {
+                let led = step.go(&mut bodies);
+                if let (Some(end), Some(tolerance)) = (&end, checked) {
+                    compare_lane(&start, &bodies, led.is_ok(), tolerance)?;
+                    system.put_back(&mut bodies, end);
+                    break;
+                }
+                if let Err(failure) = led {
+                    let h = time * f64::from(parts);
+                    let coast = |bodies: &mut _| system.coast(h, bodies);
+                    return Err(of_a_kink_ahead(system, &start, &mut bodies, failure, coast).into());
+                }
+                system.check_kinks(&start, &bodies)?;
+                if checked.is_none() {
+                    break;
+                }
+                let ended = bodies.saved();
+                system.put_back(&mut bodies, &ended); // the way back begins anew
+                end = Some(ended);
+                (step.stages, step.whole) = (&back, -whole);
             }
-            system.check_kinks(&start, &bodies)?;
-            if let Some(tolerance) = checked {
-                let end = bodies.saved();
-                system.put_back(&mut bodies, &end); // the way back begins anew
-                let led = InParts { stages: &back, whole: -whole, stirred: step.stirred.take(), ..step };
-                step.stirred = led.come_back(&start, &mut bodies, tolerance)?;
-                system.put_back(&mut bodies, &end);
-            }
+            (step.stages, step.whole) = (&stages, whole);
         }
         Ok((out_of_lanes(&bodies.all()), bodies.work.to_f64()))
     }
@@ -406,22 +417,6 @@ impl<'a, Y> InParts<'a, Y> {
         }
         Ok(())
     }
-
-    /// Goes back to a start, and hands back how flows stir.
-    #[inline(always)]
-    fn come_back<S: Lane, const D: usize>(
-        mut self,
-        start: &Saved<Y::Count, S, D>,
-        bodies: &mut BodiesOf<Y, S, D>,
-        tolerance: f64,
-    ) -> Result<Option<StirredAlone<'a>>, Trouble>
-    where
-        Y: System<S, D>,
-    {
-        let led = self.go(bodies).is_ok();
-        compare_lane(start, bodies, led, tolerance)?;
-        Ok(self.stirred)
-    }
 }
 
 /// Compares bodies in a lane's numbers as they were with what the way back led to.
@@ -431,12 +426,7 @@ pub(super) fn compare_lane<N: Count, S: Lane, K, const D: usize>(
     led: bool,
     tolerance: f64,
 ) -> Result<(), Trouble> {
-    compare(
-        is.q.as_ref().len(),
-        |i| [was.body(i), is.body(i)].map(|body| body.map(S::to_f64)),
-        led,
-        tolerance,
-    )
+    compare(is.q.as_ref().len(), &|i| [was.body(i).map(S::to_f64), is.body(i).map(S::to_f64)], led, tolerance)
 }
 
 /// Why bodies could not be moved from their start: a kink where they would coast, if there is one.
@@ -499,7 +489,7 @@ where
         while let Some(Leg { from, steps, written, shown }) = tour.next() {
             let (mut now, end) = (from, from + steps);
             if now == 0 && end > 0 {
-                look_around(&desk.block, &laws, parts, stirs.as_mut(), now, &[true; L])?;
+                look_around(*set, &desk.block, &laws, parts, stirs.as_mut(), now, &[true; L])?;
             }
             while now < end {
                 let stop = end.min((now / every + 1) * every);
@@ -508,7 +498,7 @@ where
                 }
                 now = stop;
                 if now % every == 0 || (now == end && shown) {
-                    look_around(&desk.block, &laws, parts, stirs.as_mut(), now, &[true; L])?;
+                    look_around(*set, &desk.block, &laws, parts, stirs.as_mut(), now, &[true; L])?;
                 }
             }
             if steps > 0 && (shown || written.is_none()) {

@@ -153,7 +153,7 @@ fn begin<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: us
             for j in 0..N {
                 x = first[i][j].multiply_add(past[j], x);
             }
-            place[i][d][l] = if SUMS == 0 { q + x } else { q + (low + x) };
+            place[i][d][l] = if const { SUMS == 0 } { q + x } else { q + (low + x) };
         }
         let (way, far) = (x.abs(), q.abs().max(place[N - 1][d][l].abs()));
         path[l] = if d == 0 { way } else { way.max(path[l]) };
@@ -296,7 +296,8 @@ fn miss<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usi
         let w = pulls(row, lambda, d, l);
         for i in 1..N {
             // What rounding took comes first: added to a rounded sum it would be lost each time.
-            let mut x = if SUMS == 0 { drift[i] * v } else { drift[i].multiply_add(v, rest[i][d][l]) };
+            let mut x =
+                if const { SUMS == 0 } { drift[i] * v } else { drift[i].multiply_add(v, rest[i][d][l]) };
             for j in 0..N - 1 {
                 x = push[i][j].multiply_add(w[j], x);
             }
@@ -480,7 +481,7 @@ fn gather<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: u
         let w = pulls(row, &end.lambda, d, l);
         let (mut way, mut kicked) = (S::default(), S::default());
         // What rounding took comes first: added to a rounded sum it would be lost each time.
-        if SUMS == 0 {
+        if const { SUMS == 0 } {
             for j in 0..N - 1 {
                 way = push[j].multiply_add(w[j], push_rest[j].multiply_add(w[j], way));
                 kicked = kick[j].multiply_add(w[j], kick_rest[j].multiply_add(w[j], kicked));
@@ -499,7 +500,7 @@ fn gather<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: u
         }
         let way = h.multiply_add(v, way);
         (away[N - 1][d][l], away[0][d][l], row.total[0][d][l]) = (way, kicked, w[0]);
-        if SUMS == 0 {
+        if const { SUMS == 0 } {
             end.q[d][l] = q + way;
         } else {
             let ([place], [rest]) = two_sum(&[q], &[way]);
@@ -534,7 +535,7 @@ fn settle<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: u
         let (new, low) = two_sum(&old, &add_scaled(&change, eta, &gradient));
         let (multiplier, pulled) = pull(laws, l, &q, &new, &gradient);
         put(p, l, new);
-        if SUMS > 0 {
+        if const { SUMS > 0 } {
             put(p_low, l, low);
         }
         put(normal, l, gradient);

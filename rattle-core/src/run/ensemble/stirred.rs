@@ -6,7 +6,7 @@ use crate::number::instructions::Fusing;
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, sum, two_sum};
 use crate::number::vectors::{at, put};
-use crate::run::ensemble::block::{Block, Part, Scratch};
+use crate::run::ensemble::block::{Block, LookingAround, Part, Scratch};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
@@ -36,9 +36,11 @@ pub(super) fn limit<S: Lane, const D: usize>(work: f64, p: &[S; D], least: f64) 
     work + 0.5 * (LARGER * LARGER - 1.0) * dot(p, p).to_f64().max(least * least)
 }
 
-/// Asks whether other sheets are near these lanes, after so many steps, and sets their [limits](limit).
+/// Asks by these instructions whether other sheets are near these lanes, after so many steps, and sets their
+/// [limits](limit).
 #[inline(always)]
 pub(super) fn look_around<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    set: Fusing,
     block: &Block<S, L, D, SUMS, EQUAL>,
     laws: &X,
     parts: &[Part],
@@ -53,13 +55,14 @@ where
     if const { X::Forces::FLOWS > 0 }
         && let Some(Stirs { stirring, work, limits, .. }) = stirs
     {
-        block.look_around(steps, lanes, laws, parts, |lane| stirring.momentum(lane))?;
+        let least = &|lane| stirring.momentum(lane);
+        set.run_lanes::<L, _>(LookingAround { block, laws, parts, steps, lanes, least })?;
         for l in (0..L).filter(|&l| lanes[l]) {
             limits[l] = limit(work[l], &at(&block.way, l), stirring.momentum(l));
         }
         return Ok(());
     }
-    block.look_around(steps, lanes, laws, parts, |_| 0.0)
+    set.run_lanes::<L, _>(LookingAround { block, laws, parts, steps, lanes, least: &|_| 0.0 })
 }
 
 /// The same at once, at as many places as at first, for lanes where the work of flows is beyond its limit; for no
@@ -84,7 +87,7 @@ where
         return Ok(());
     }
     let beyond = from_fn(|l| !within(stirs, l));
-    look_around(block, laws, parts, Some(stirs), 0, &beyond)
+    look_around(stirs.set, block, laws, parts, Some(stirs), 0, &beyond)
 }
 
 /// A step of the method with flows, after so many.
@@ -173,12 +176,12 @@ pub(super) fn lead<S, const L: usize, const D: usize, const SUMS: usize, const E
         let (q, n, old) = (at(q, l), at(normal, l), at(way, l));
         let mut new = old;
         if kicks {
-            let low = if SUMS == 1 { at(&way_low[0], l) } else { [S::default(); D] };
+            let low = if const { SUMS == 1 } { at(&way_low[0], l) } else { [S::default(); D] };
             let change = laws.kick(l, &q, S::from_f64(kick), low);
             let change = add_scaled(&change, -dot(&n, &sum(&old, &change)) / square[l], &n);
             let (high, low) = two_sum(&old, &change);
             new = high;
-            if SUMS == 1 {
+            if const { SUMS == 1 } {
                 put(&mut way_low[0], l, low);
             }
             put(way, l, new);

@@ -13,8 +13,8 @@ use crate::run::bill::Bill;
 use crate::run::ensemble::alone::Alone;
 use crate::run::ensemble::apart::{NotInLanes, Plan, act_in_lanes};
 use crate::run::ensemble::group::Group;
-use crate::run::ensemble::grouping::{Alike, Different, Groups, HowInLanes, InRows, goes_as};
-use crate::run::ensemble::grouping_rows::{TurnedAlike, TurnedApart, linked, linked_apart, rigid};
+use crate::run::ensemble::grouping::{HowInLanes, goes_as};
+use crate::run::ensemble::grouping_kinds::{InLanes, alike, apart};
 use crate::run::ensemble::precision::{Double, Precision};
 use crate::run::ensemble::side_by_side::STRETCH;
 use crate::run::ensemble::watching::{AnyObserver, Watching};
@@ -22,11 +22,8 @@ use crate::run::reversal::has_way_back;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::seen::Seen;
 use crate::scene::Scene;
-use crate::systems::network::Network;
 use rayon::prelude::*;
-use std::any::Any;
 use std::fmt;
-use std::marker::PhantomData;
 
 /// Many independent trajectories. Made by [`Scene::ensemble`](crate::scene::Scene::ensemble).
 ///
@@ -97,26 +94,7 @@ impl<const D: usize> Ensemble<D> {
     ) -> Result<Self, Error> {
         let mut starts = starts.into_iter();
         let next = &mut || starts.next().map(|start| (scene, start));
-        Self::assembled([P::MOST, P::SHORTEST], next, method, set, &|scenes, starts, lanes| {
-            if const { goes_as::<C, S, D>(Kind::Rigid) } {
-                let (scene, h) = (scenes[0], lanes.h);
-                let body = (&scene.constraint as &dyn Any).downcast_ref()?;
-                let system =
-                    scene.constraint.system(&scene.effects, scene.count, &starts[0], h, false).ok()?;
-                return rigid::<P, S, _, D>(&[body], &[system], &TurnedAlike(&scene.effects), starts, lanes);
-            }
-            if const { goes_as::<C, S, D>(Kind::Network) } {
-                let network = (&scenes[0].constraint as &dyn Any).downcast_ref::<Network<D>>()?;
-                return linked::<P, S, _, D>(network, &scenes[0].effects, starts, lanes);
-            }
-            if const { goes_as::<C, S, D>(Kind::Phase) } {
-                return C::phase_spaces(&[&scenes[0].constraint], InRows(scenes[0].count, starts, lanes))?;
-            }
-            C::surfaces(
-                &[&scenes[0].constraint],
-                Alike(PhantomData::<(P, S)>, &scenes[0].effects, starts, lanes),
-            )?
-        })
+        Self::assembled([P::MOST, P::SHORTEST], next, method, set, const { alike::<P, S, C, E, N, D>() })
     }
 
     /// A parameter sweep: one trajectory of each scene, each from its own start.
@@ -147,31 +125,7 @@ impl<const D: usize> Ensemble<D> {
     {
         let (mut trajectories, set) = (trajectories.into_iter(), InstructionSet::widest());
         let next = &mut || trajectories.next();
-        Self::assembled([P::MOST, P::SHORTEST], next, method, set, &|scenes, starts, lanes| {
-            if const { goes_as::<C, S, D>(Kind::Rigid) } {
-                let body = |scene: &&'a Scene<C, E, N, D>| (&scene.constraint as &dyn Any).downcast_ref();
-                let bodies = scenes.iter().map(body).collect::<Option<Vec<_>>>()?;
-                let h = lanes.h;
-                let system = |(scene, start): (&&Scene<C, E, N, D>, &State<D>)| {
-                    scene.constraint.system(&scene.effects, scene.count, start, h, false).ok()
-                };
-                let systems = scenes.iter().zip(starts).map(system).collect::<Option<Vec<_>>>()?;
-                let effects = scenes.iter().map(|scene| &scene.effects).collect::<Vec<_>>();
-                return rigid::<P, S, _, D>(&bodies, &systems, &TurnedApart(&effects), starts, lanes);
-            }
-            if const { goes_as::<C, S, D>(Kind::Network) } {
-                let network = |scene: &&'a Scene<C, E, N, D>| (&scene.constraint as &dyn Any).downcast_ref();
-                let networks = scenes.iter().map(network).collect::<Option<Vec<_>>>()?;
-                let effects = scenes.iter().map(|scene| &scene.effects).collect::<Vec<_>>();
-                return linked_apart::<P, S, _, D>(&networks, &effects, starts, lanes);
-            }
-            let constraints = scenes.iter().map(|scene| &scene.constraint).collect::<Vec<_>>();
-            if const { goes_as::<C, S, D>(Kind::Phase) } {
-                return C::phase_spaces(&constraints, InRows(scenes[0].count, starts, lanes))?;
-            }
-            let effects = scenes.iter().map(|scene| &scene.effects).collect::<Vec<_>>();
-            C::surfaces(&constraints, Different(PhantomData::<(P, S)>, &effects, starts, lanes))?
-        })
+        Self::assembled([P::MOST, P::SHORTEST], next, method, set, const { apart::<P, S, C, E, N, D>() })
     }
 
     /// Checks the starts that `next` gives until it gives none, and puts trajectories in lanes, a group after the
@@ -182,7 +136,7 @@ impl<const D: usize> Ensemble<D> {
         next: &mut dyn FnMut() -> Option<(&'a Scene<C, E, N, D>, State<D>)>,
         method: S,
         set: InstructionSet,
-        in_lanes: &dyn Fn(&[&'a Scene<C, E, N, D>], &[State<D>], &HowInLanes) -> Groups<D>,
+        in_lanes: InLanes<C, E, N, D>,
     ) -> Result<Self, Error> {
         let set = if set.is_present() { set } else { InstructionSet::Portable };
         let h = method.step_size();

@@ -213,7 +213,7 @@ where
     let [bend] = constraint.jet(q, p).2;
     let along = force.dot(&normal.gradient, T::from_f64(1.0));
     let lambda = multiplier_from_curvature(bend, along, normal);
-    (lambda, force.add_to(normal.gradient.map(|n| lambda * n), T::from_f64(1.0)))
+    (lambda, force.add_to(scaled(lambda, &normal.gradient), T::from_f64(1.0)))
 }
 
 /// Newton's iteration q ← q − ∇g g/|∇g|² until it no longer gets nearer.
