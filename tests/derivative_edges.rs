@@ -48,6 +48,42 @@ fn powers_of_a_distance_are_smooth() {
     assert!(off < 1e-14, "{off:e}"); // 5.6e-16 where the square is written out
 }
 
+constraint! { struct Softened { b } |x, y| x * y * (if hypot(x, 0.1) <= b { 1 / b } else { 1 / hypot(x, 0.1) }) - 1 }
+constraint! { struct Guarded {} |x, y| x * y * (if hypot(x, 0.1) <= 0 { 5 } else { 1 / hypot(x, 0.1) }) - 1 }
+constraint! { struct Unguarded {} |x, y| x * y / hypot(x, 0.1) - 1 }
+
+/// A reciprocal that a user guards is not that which derivatives guard.
+#[test]
+fn reciprocals_of_distances_with_another_arm() {
+    let (at, along) =
+        (vector![0.3, 2.0], |i: usize| vector![f64::from(u8::from(i == 0)), f64::from(u8::from(i == 1))]);
+    let inside = Softened { b: 0.5 };
+    assert_eq!(inside.jacobian(&at), vector![4.0, 0.6].transpose()); // 2xy
+    for i in 0..2 {
+        assert_eq!(inside.hessian_vector(&at, &along(i))[1 - i], 2.0);
+    }
+    let (beyond, expected) = (Softened { b: 0.2 }, Unguarded {});
+    for i in 0..2 {
+        let off = (beyond.hessian_vector(&at, &along(i)) - expected.hessian_vector(&at, &along(i))).amax();
+        assert!(off < 1e-14, "{off:e}");
+        let off =
+            (Guarded {}.hessian_vector(&at, &along(i)) - expected.hessian_vector(&at, &along(i))).amax();
+        assert!(off < 1e-14, "{off:e}");
+    }
+}
+
+potential! { struct RootedTwice {} |x, y| sqrt(norm(x, y))^2 + sqrt(sqrt(x))^2 + cbrt(sqrt(y))^3 }
+
+/// √f² = f, where f is a root itself: the slopes of roots are 0 at their tips.
+#[test]
+fn roots_of_roots_keep_their_tips() {
+    assert_eq!(RootedTwice {}.gradient(&vector![0.0, 0.0]), vector![0.0, 0.0]);
+    let at = vector![0.36, 0.25];
+    let length = at.norm();
+    let expected = at / length + vector![0.5 / 0.6, 0.5 / 0.5];
+    assert!((RootedTwice {}.gradient(&at) - expected).amax() < 1e-15);
+}
+
 #[test]
 fn exponents_that_are_zero() {
     let (at, v) = (vector![2.0, 0.0, 1.0], vector![1.0, 1.0, 1.0]);

@@ -67,7 +67,7 @@ use rattle_symbolic::{Macro, expand};
 /// Powers that are smooth again have the derivatives of what they come to, if they are written just so: `sqrt(x)^2`
 /// where x is not negative, `cbrt(x)^3`, `norm(a)^2`, `hypot(x, y)^2` of up to 64 sides. Where a part of an expression
 /// overflows, a derivative may be 0 times infinity, which is an error when it is met: write `(1 - tanh(x / 2)) / 2` for
-/// `1 / (1 + exp(x))`.
+/// `1 / (1 + exp(x))`. Far out, where it is no more than a rounding of 1, that and its derivative lose their digits.
 ///
 /// A branch is differentiated by choosing between the derivatives of its arms, so the arm not taken has
 /// no influence, NaN or not.

@@ -233,7 +233,10 @@ impl<'a> Calculus<'a> {
                 let (mut a, mut halves, mut rooted) = (a, halves, false);
                 loop {
                     (a, halves, rooted) = match *g.node(a) {
-                        Node::Call(Function::Sqrt, inside) if halves % 2 == 0 => (inside, halves / 2, true),
+                        // Not of √u to the first: it would be a root again.
+                        Node::Call(Function::Sqrt, inside) if halves > 2 && halves % 2 == 0 => {
+                            (inside, halves / 2, true)
+                        }
                         Node::Call(Function::Cbrt, inside) if halves % 6 == 0 => (inside, halves / 3, rooted),
                         _ => break,
                     };
@@ -298,7 +301,8 @@ fn of_product(g: &mut Graph, factors: &[(Id, u32)]) -> Vec<(Rule, Id, Scaled)> {
     slopes
 }
 
-/// Two factors of a product whose slopes nearly cancel somewhere, and the slope of both together.
+/// Two factors of a product whose slopes nearly cancel somewhere, and the slope of both together; of products that
+/// derivatives make, where sums that a user writes stand as written.
 ///
 /// ```text
 /// (x − 1)(x + 1)           2x          not (x − 1) + (x + 1), which loses it near 0
@@ -342,7 +346,13 @@ fn beside_number(graph: &Graph, sum: Id) -> Option<(Id, f64)> {
 
 /// c, where the first is 1/hypot(x, c), guarded at 0, for a c that stays.
 fn far_side(graph: &Graph, reciprocal: Id, x: Id) -> Option<Id> {
-    let Node::Select(Comparison::LessOrEqual, f, .., other) = *graph.node(reciprocal) else { return None };
+    let Node::Select(Comparison::LessOrEqual, f, least, then, other) = *graph.node(reciprocal) else {
+        return None;
+    };
+    // Guards of other kinds are a user's.
+    if [least, then].iter().any(|&id| graph.as_constant(id) != Some(0.0)) {
+        return None;
+    }
     let (Node::Call2(Binary::Hypot, a, b), Node::Power(below, -2)) = (graph.node(f), graph.node(other))
     else {
         return None;

@@ -145,7 +145,7 @@ where
     T: Scalar,
     K: Kinked<T, D, H, M>,
 {
-    // A constant, so that compilers pass over the search where there are no kinks.
+    // A constant, so that the compiler does not go through the search where there are no kinks.
     let search: Search<K, D, H> =
         const { if K::KINKS.is_empty() { |_, _, _| None } else { search::<T, K, D, H, M> } };
     search(kernel, from, to)

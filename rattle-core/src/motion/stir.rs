@@ -123,9 +123,6 @@ pub(crate) fn times<S: Method, T: Scalar, Y: System<T, D>, const D: usize>(syste
     if S::STIRS && (S::FORGETS || at_once(system)) { 1 } else { 2 }
 }
 
-/// Flows at work for a time h.
-type Act<Y, T, const D: usize> = fn(Half, f64, &Y, &mut BodiesOf<Y, T, D>) -> Result<(), Failure>;
-
 /// Has all flows act for a time h, one after the other, and take note of it. Positions, and what is kept there, stay.
 /// The change of kinetic energy counts as work.
 pub(crate) fn stir<T: Scalar, Y: System<T, D>, const D: usize>(
@@ -160,6 +157,9 @@ pub(crate) fn take_note<T: Scalar, Y: System<T, D>, const D: usize>(
     }
 }
 
+/// Who has flows act for a time h.
+type Act<Y, T, const D: usize> = fn(Half, f64, &Y, &mut BodiesOf<Y, T, D>) -> Result<(), Failure>;
+
 /// Has all flows act for a time h, one after the other.
 pub(crate) fn push<T: Scalar, Y: System<T, D>, const D: usize>(
     half: Half,
@@ -167,11 +167,12 @@ pub(crate) fn push<T: Scalar, Y: System<T, D>, const D: usize>(
     system: &Y,
     bodies: &mut BodiesOf<Y, T, D>,
 ) -> Result<(), Failure> {
-    // A constant, so that compilers pass over flows where there are none.
+    // A constant, so that the compiler goes through nothing of flows where there are none.
     let act: Act<Y, T, D> = const { if Y::FLOWS == 0 { |_, _, _, _| Ok(()) } else { push_all::<T, Y, D> } };
     act(half, h, system, bodies)
 }
 
+/// The same where there are flows.
 fn push_all<T: Scalar, Y: System<T, D>, const D: usize>(
     half: Half,
     h: f64,

@@ -199,7 +199,7 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     marks
 }
 
-/// Whether there are any forces.
+/// Whether one of these forces is not zero.
 fn act<const D: usize>(forces: &[[f64; D]]) -> bool {
     forces.as_flattened().iter().any(|&force| force != 0.0)
 }
@@ -210,7 +210,7 @@ fn of_masses<const D: usize>(velocities: &[[f64; D]], pinned: &[f64]) -> Hallmar
     Hallmark::of_vectors("masses", "a list", &masses)
 }
 
-/// Adds these marks, [told](told) so.
+/// Adds these marks, each as [`told`] makes it.
 pub(in crate::run) fn tell(marks: Vec<Hallmark>, how: &str, to: &mut Vec<Hallmark>) {
     to.extend(marks.into_iter().map(|mark| told(mark, how)));
 }

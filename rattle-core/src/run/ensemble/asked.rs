@@ -50,11 +50,12 @@ pub(super) fn hallmarks<S: Lane, X: Laws<S, D>, const D: usize, const SUMS: usiz
     let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
     let effects = effects.borrow();
     let mut marks = vec![of_precision::<S, SUMS>()];
-    for (place, q) in looks.first().iter().enumerate() {
+    let mut places = [Vec::new(), Vec::new()];
+    for (there, q) in places.iter_mut().zip(looks.first()) {
         let q = [q.map(S::from_f64)];
         let ([g], [gradient]) = constraint.borrow().value_and_jacobian(&q[0]);
         let constraints = [&numbers(&[g])[..], &numbers(&gradient)];
-        let mut there = vec![Hallmark::of_vectors("constraints", "a surface", &constraints)];
+        there.push(Hallmark::of_vectors("constraints", "a surface", &constraints));
         let (at, mut room) = (Moment { time: BESIDE, positions: &q }, effects.room(1));
         for number in 0..X::Forces::EFFECTS {
             let mut force = [[S::default(); D]];
@@ -62,11 +63,10 @@ pub(super) fn hallmarks<S: Lane, X: Laws<S, D>, const D: usize, const SUMS: usiz
             there.push(of_effect(number, name, numbers(force.as_flattened()).as_chunks::<D>().0));
         }
         there.push(Hallmark::new("potential energy", "a function", numbers(&[effects.energy(at)])));
-        match place {
-            0 => marks.extend(there),
-            _ => tell(there, AT_ITS_PLACES, &mut marks),
-        }
     }
+    let [near, at] = places;
+    marks.extend(near);
+    tell(at, AT_ITS_PLACES, &mut marks);
     marks
 }
 

@@ -448,8 +448,7 @@ where
     }
 }
 
-/// Whether no other sheet is near the body of one of these lanes, after so many steps; see [`crate::solve::crowd`]. A
-/// lane's momentum is taken to be no less than this.
+/// Whether no other sheet is near the body of one of these lanes, after so many steps; see [`crate::solve::crowd`].
 pub(super) struct LookingAround<
     'a,
     S,
@@ -464,6 +463,7 @@ pub(super) struct LookingAround<
     pub(super) parts: &'a [Part],
     pub(super) steps: u64,
     pub(super) lanes: &'a [bool; L],
+    /// The momentum of a lane is taken to be no less. Not inlined: it must not compute by numbers that fuse.
     pub(super) least: &'a dyn Fn(usize) -> f64,
 }
 

@@ -1,5 +1,5 @@
 //! Which trajectories are computed together, and in which kind of lanes. This follows from the types of scene, method
-//! and precision, so that only the necessary kind is compiled.
+//! and precision, so that only the necessary kind is compiled, or gone through by the compiler.
 
 use crate::effect::list::{Effects, Forces};
 use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint, PhaseConstraintKernel};
@@ -216,7 +216,8 @@ fn grouped<P: Precision, S: Method, O: Obeyed<D>, const D: usize>(
     wanted(obeyed, starts, lanes)
 }
 
-/// Who does that: a constant, as in [`grouping_kinds`](crate::run::ensemble::grouping_kinds).
+/// Who puts trajectories in the lanes that the method wants; to be a constant, see
+/// [`grouping_kinds`](crate::run::ensemble::grouping_kinds).
 const fn wanted<P: Precision, S: Method, O: Obeyed<D>, const D: usize>()
 -> fn(&O, &[State<D>], &HowInLanes) -> Groups<D> {
     macro_rules! by_stages {

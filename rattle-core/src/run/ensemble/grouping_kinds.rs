@@ -1,8 +1,8 @@
 //! Which kind of rows the constraints of a scene go in.
 //!
-//! What is chosen by types alone is chosen as constants, here and where kinds of rows are chosen further: functions
-//! that are the value of a constant. The compiler goes through all that a function mentions, also where a branch on a
-//! constant is never taken, and that took most of its time.
+//! What types alone choose is a constant, the value of which is a function, here and where kinds of rows are chosen
+//! further. For the compiler goes through all functions that a function mentions, also in branches on constants that
+//! are never taken. With `if const` it spent most of its time on that.
 
 use crate::effect::list::Effects;
 use crate::motion::bodies::Count;
@@ -17,11 +17,11 @@ use crate::systems::network::Network;
 use std::any::Any;
 use std::marker::PhantomData;
 
-/// Puts trajectories in lanes, no more than there are lanes, each of its scene and from its start.
+/// Puts trajectories in lanes, no more than there are lanes, each of its own scene and from its own start.
 pub(super) type InLanes<C, E, N, const D: usize> =
     fn(&[&Scene<C, E, N, D>], &[State<D>], &HowInLanes) -> Groups<D>;
 
-/// Who puts trajectories of one scene in lanes, the first of these.
+/// Who puts trajectories of one scene in lanes; only the first scene of the list is read.
 pub(super) const fn alike<P, S, C, E, N, const D: usize>() -> InLanes<C, E, N, D>
 where
     P: Precision,

@@ -215,7 +215,8 @@ fn moved<P: Precision, S: Method, X: OfLinks<D>, const D: usize>(rows: &X, lanes
     mover(rows, lanes)
 }
 
-/// Who moves them so: a constant, as in [`grouping_kinds`](crate::run::ensemble::grouping_kinds).
+/// Who moves the rows as the method does; to be a constant, see
+/// [`grouping_kinds`](crate::run::ensemble::grouping_kinds).
 const fn mover<P: Precision, S: Method, X: OfLinks<D>, const D: usize>() -> fn(&X, &HowInLanes) -> Groups<D> {
     macro_rules! by_stages {
         ($($stages:literal)*) => {$(
@@ -270,7 +271,7 @@ pub(super) fn rigid<P: Precision, S: Method, X: Turned, Y: System<f64, D>, const
     turner(&rows, lanes)
 }
 
-/// Who moves rows of them so: a constant, as above.
+/// Who moves rows of rigid bodies as the method does; to be a constant, as `mover` is.
 const fn turner<P: Precision, S: Method, X: Turned, Y: System<f64, D>, const D: usize>()
 -> fn(&Rigids<'_, X, Y, D>, &HowInLanes) -> Groups<D> {
     match S::PROJECTS {

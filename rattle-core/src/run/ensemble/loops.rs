@@ -26,7 +26,7 @@
 //! **Which root.** |∇g(q)|²/s must be between 2/3 and 2. Lanes where it is not, or that have not converged after three
 //! corrections, are lost, and solved as a [`Simulation`](crate::run::simulation::Simulation) does; so is their next
 //! step, if other sheets have come near. Where sheets of a surface are closer to each other than the errors of guesses,
-//! lanes are moved one by one ([`Block::look_around`]).
+//! lanes are moved one by one ([`LookingAround`](crate::run::ensemble::block::LookingAround)).
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::failure::Failure;

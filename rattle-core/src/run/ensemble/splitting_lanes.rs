@@ -335,7 +335,7 @@ impl<S: Lane, Y: System<S, D>, const D: usize> Work for ByItself<'_, Y, S, D> {
             }
             let start = bodies.saved();
             let mut end = None;
-            // Forth, and back: one place, since all of it is inlined.
+            // The way forth, and the way back if it is checked: in one loop, so that `go` is inlined once.
             loop {
                 let led = step.go(&mut bodies);
                 if let (Some(end), Some(tolerance)) = (&end, checked) {

@@ -36,7 +36,7 @@ pub(super) fn limit<S: Lane, const D: usize>(work: f64, p: &[S; D], least: f64) 
     work + 0.5 * (LARGER * LARGER - 1.0) * dot(p, p).to_f64().max(least * least)
 }
 
-/// Asks by these instructions whether other sheets are near these lanes, after so many steps, and sets their
+/// Asks, with these instructions, whether other sheets are near these lanes, after so many steps, and sets their
 /// [limits](limit).
 #[inline(always)]
 pub(super) fn look_around<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
