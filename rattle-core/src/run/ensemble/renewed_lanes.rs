@@ -26,7 +26,7 @@ use crate::run::ensemble::loops::step;
 use crate::run::ensemble::rhythm::{InRhythm, Rhythm, When};
 use crate::run::ensemble::splits::of_renewal;
 use crate::run::ensemble::splitting_lanes::{in_lanes, of_a_kink_ahead, out_of_lanes};
-use crate::run::ensemble::stirred::{LARGER, lead};
+use crate::run::ensemble::stirred::{LARGER, lead, look_apart};
 use crate::run::ensemble::stirring::DEVIATIONS;
 use crate::run::fingerprint::Looks;
 use crate::run::trouble::Trouble;
@@ -60,6 +60,12 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize>
         let (drift, whole) = (part(0.0), part(renewal.kick));
         let rhythm = Rhythm::renewing(h);
         Self { block: Block::new(), laws, renewal, drift, whole, rhythm, limits: vec![0.0; L], h, set }
+    }
+
+    /// The largest momentum to expect.
+    #[inline(always)]
+    fn least(&self) -> f64 {
+        DEVIATIONS * self.renewal.deviation
     }
 }
 
@@ -221,7 +227,7 @@ where
             }
             for now in from..from + steps {
                 if now % EVERY == 0 {
-                    steps_of.look_around(now, &[true; L])?;
+                    steps_of.look_around(now)?;
                 }
                 let start = steps_of.block.q;
                 lanes.rhythm.step(&mut steps_of, now, 1)?;
@@ -253,20 +259,25 @@ struct Stepping<'a, S, X, const L: usize, const D: usize, const SUMS: usize> {
 impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize>
     Stepping<'_, S, X, L, D, SUMS>
 {
-    /// Asks whether other sheets are near these lanes, after so many steps, as far as momenta may lead that are drawn
+    /// Asks whether other sheets are near all lanes, after so many steps, as far as momenta may lead that are drawn
     /// until it is asked again.
     #[inline(always)]
-    fn look_around(&mut self, steps: u64, these: &[bool; L]) -> Result<(), Stuck> {
-        let Self { lanes, laws, block, limits, .. } = self;
-        let least = DEVIATIONS * lanes.renewal.deviation;
-        let (set, parts) = (lanes.set, &[lanes.whole]);
-        let looking = LookingAround { block, laws: *laws, parts, steps, lanes: these, least: &|_| least };
-        set.run_lanes::<L, _>(looking)?;
-        for (l, limit) in limits.iter_mut().enumerate().filter(|&(l, _)| these[l]) {
-            let way = at(&block.way, l);
+    fn look_around(&mut self, steps: u64) -> Result<(), Stuck> {
+        let Self { lanes: RenewedLanes { whole, .. }, laws, block, .. } = self;
+        let (least, lanes) = (self.lanes.least(), &[true; L]);
+        LookingAround { block, laws: *laws, parts: &[*whole], steps, lanes, least: &|_| least }.run()?;
+        self.set_limits(lanes);
+        Ok(())
+    }
+
+    /// Sets the limits of these lanes.
+    #[inline(always)]
+    fn set_limits(&mut self, these: &[bool; L]) {
+        let least = self.lanes.least();
+        for (l, limit) in self.limits.iter_mut().enumerate().filter(|&(l, _)| these[l]) {
+            let way = at(&self.block.way, l);
             *limit = LARGER * LARGER * dot(&way, &way).to_f64().max(least * least);
         }
-        Ok(())
     }
 
     /// Whether places and the forces there are numbers.
@@ -316,7 +327,10 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize> 
         }
         // No others, so that what becomes of a lane depends on that lane alone.
         let beyond = from_fn(|l| !within(self, l));
-        self.look_around(0, &beyond)
+        let (lanes, least) = (self.lanes, self.lanes.least());
+        look_apart(lanes.set, self.block, self.laws, &[lanes.whole], &beyond, &|_| least)?;
+        self.set_limits(&beyond);
+        Ok(())
     }
 
     #[inline(always)]

@@ -488,18 +488,21 @@ where
         }
         while let Some(Leg { from, steps, written, shown }) = tour.next() {
             let (mut now, end) = (from, from + steps);
-            if now == 0 && end > 0 {
-                look_around(*set, &desk.block, &laws, parts, stirs.as_mut(), now, &[true; L])?;
-            }
-            while now < end {
+            let mut looks = now == 0 && end > 0;
+            // One place where it looks around, since all of that is inlined.
+            loop {
+                if looks {
+                    look_around(&desk.block, &laws, parts, stirs.as_mut(), now)?;
+                }
+                if now == end {
+                    break;
+                }
                 let stop = end.min((now / every + 1) * every);
                 for now in now..stop {
                     stride(&mut desk, &laws, parts, stirs.as_mut(), now)?;
                 }
                 now = stop;
-                if now % every == 0 || (now == end && shown) {
-                    look_around(*set, &desk.block, &laws, parts, stirs.as_mut(), now, &[true; L])?;
-                }
+                looks = now % every == 0 || (now == end && shown);
             }
             if steps > 0 && (shown || written.is_none()) {
                 desk.block.check(&laws, parts)?;

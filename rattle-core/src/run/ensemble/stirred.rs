@@ -2,7 +2,7 @@
 
 use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
-use crate::number::instructions::Fusing;
+use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, sum, two_sum};
 use crate::number::vectors::{at, put};
@@ -36,33 +36,43 @@ pub(super) fn limit<S: Lane, const D: usize>(work: f64, p: &[S; D], least: f64) 
     work + 0.5 * (LARGER * LARGER - 1.0) * dot(p, p).to_f64().max(least * least)
 }
 
-/// Asks, with these instructions, whether other sheets are near these lanes, after so many steps, and sets their
-/// [limits](limit).
+/// Asks whether other sheets are near all lanes, after so many steps, and sets their [limits](limit).
 #[inline(always)]
 pub(super) fn look_around<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    set: Fusing,
     block: &Block<S, L, D, SUMS, EQUAL>,
     laws: &X,
     parts: &[Part],
     stirs: Option<&mut Stirs<'_, S, L, D>>,
     steps: u64,
-    lanes: &[bool; L],
 ) -> Result<(), Stuck>
 where
     S: Lane,
     X: Laws<S, D>,
 {
+    let lanes = &[true; L];
     if const { X::Forces::FLOWS > 0 }
-        && let Some(Stirs { stirring, work, limits, .. }) = stirs
+        && let Some(stirs) = stirs
     {
-        let least = &|lane| stirring.momentum(lane);
-        set.run_lanes::<L, _>(LookingAround { block, laws, parts, steps, lanes, least })?;
-        for l in (0..L).filter(|&l| lanes[l]) {
-            limits[l] = limit(work[l], &at(&block.way, l), stirring.momentum(l));
-        }
+        let least = &|lane| stirs.stirring.momentum(lane);
+        LookingAround { block, laws, parts, steps, lanes, least }.run()?;
+        stirs.set_limits(block, lanes);
         return Ok(());
     }
-    set.run_lanes::<L, _>(LookingAround { block, laws, parts, steps, lanes, least: &|_| 0.0 })
+    LookingAround { block, laws, parts, steps, lanes, least: &|_| 0.0 }.run()
+}
+
+impl<S: Lane, const L: usize, const D: usize> Stirs<'_, S, L, D> {
+    /// Sets the limits of these lanes.
+    #[inline(always)]
+    fn set_limits<const SUMS: usize, const EQUAL: bool>(
+        &mut self,
+        block: &Block<S, L, D, SUMS, EQUAL>,
+        lanes: &[bool; L],
+    ) {
+        for l in (0..L).filter(|&l| lanes[l]) {
+            self.limits[l] = limit(self.work[l], &at(&block.way, l), self.stirring.momentum(l));
+        }
+    }
 }
 
 /// The same at once, at as many places as at first, for lanes where the work of flows is beyond its limit; for no
@@ -87,7 +97,29 @@ where
         return Ok(());
     }
     let beyond = from_fn(|l| !within(stirs, l));
-    look_around(stirs.set, block, laws, parts, Some(stirs), 0, &beyond)
+    let least = |lane| stirs.stirring.momentum(lane);
+    look_apart(stirs.set, block, laws, parts, &beyond, &least)?;
+    stirs.set_limits(block, &beyond);
+    Ok(())
+}
+
+/// Asks whether other sheets are near these lanes, at as many places as at first: work of its own, for what is seldom
+/// asked. It works on copies: what others can reach is read from memory again in each step.
+#[inline(always)]
+pub(super) fn look_apart<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    set: Fusing,
+    block: &Block<S, L, D, SUMS, EQUAL>,
+    laws: &X,
+    parts: &[Part],
+    lanes: &[bool; L],
+    least: &dyn Fn(usize) -> f64,
+) -> Result<(), Stuck>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    let (block, laws) = (&block.clone(), &laws.clone());
+    set.run_lanes::<L, _>(LookingAround { block, laws, parts, steps: 0, lanes, least })
 }
 
 /// A step of the method with flows, after so many.
