@@ -217,7 +217,7 @@ constraint! {
 /// One point of each seed: lines that meet many points are not drawn more seldom than those that meet few. The largest
 /// sphere has 1/2.2 of the area; of 2000 points, 4.5 deviations are 0.05.
 #[test]
-#[cfg_attr(not(long), ignore)]
+#[cfg_attr(not(long), ignore = "20 s as it is compiled: run by `cargo long`")]
 fn one_point_of_a_seed_is_uniform_too() {
     let seeds = 2000;
     let outside = |seed: &u64| uniform(&Onion {}, [-1.0; 3], [1.0; 3], 1, *seed).unwrap()[0].norm() > 0.9;
