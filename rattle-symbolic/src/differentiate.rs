@@ -301,8 +301,8 @@ fn of_product(g: &mut Graph, factors: &[(Id, u32)]) -> Vec<(Rule, Id, Scaled)> {
     slopes
 }
 
-/// Two factors of a product whose slopes nearly cancel somewhere, and the slope of both together; of products that
-/// derivatives make, where sums that a user writes stand as written.
+/// Two factors of a product whose slopes nearly cancel somewhere, and the slope of both together. Only of products that
+/// derivatives make: what a user writes is differentiated as it is written.
 ///
 /// ```text
 /// (x − 1)(x + 1)           2x          not (x − 1) + (x + 1), which loses it near 0

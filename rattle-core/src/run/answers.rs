@@ -92,7 +92,7 @@ pub(in crate::run) fn constraint_forces<Y: System<f64, D>, const D: usize>(
 ) -> Vec<SVector<f64, D>> {
     let mut forces = vec![[0.0; D]; bodies.q.as_ref().len()];
     system.constraint_forces(bodies, &mut forces);
-    vectors(&forces)
+    vectors(&forces).collect()
 }
 
 /// Both.
@@ -116,12 +116,14 @@ pub(in crate::run) fn rates<Y: System<f64, D>, const D: usize>(
     if system.pushes(bodies, &mut pushes).is_err() {
         pushes.fill([0.0; D]);
     }
-    [vectors(&velocities), vectors(&pushes)]
+    [vectors(&velocities).collect(), vectors(&pushes).collect()]
 }
 
-/// Vectors as users have them.
-fn vectors<const D: usize>(list: &[[f64; D]]) -> Vec<SVector<f64, D>> {
-    list.iter().map(|&x| x.into()).collect()
+/// Vectors, one by one, as users have them.
+pub(in crate::run) fn vectors<const D: usize>(
+    list: &[[f64; D]],
+) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
+    list.iter().map(|&x| x.into())
 }
 
 /// kT: twice the kinetic energy, without that which moving constraints impose, by the number of independent momenta;

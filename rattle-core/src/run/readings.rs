@@ -8,7 +8,7 @@ use crate::motion::parts::BodiesOf;
 use crate::motion::state::{Remembered, State};
 use crate::motion::system::System;
 use crate::number::clock::after_steps;
-use crate::run::answers;
+use crate::run::answers::{self, vectors};
 use crate::run::simulation::Simulation;
 use crate::run::watch::seen::{Page, write};
 use crate::run::watch::sight::{Sight, Source};
@@ -300,12 +300,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 }
 
-/// Vectors, one by one, as users have them.
-fn vectors<const D: usize>(list: &[[f64; D]]) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
-    list.iter().map(|&x| x.into())
-}
-
-/// And back, without what rounding took.
+/// What a sight shows as lists, without what rounding took.
 fn show<const D: usize>(shown: &[SVector<f64, D>], list: &mut [[f64; D]], low: &mut [[f64; D]]) {
     for ((x, low), &shown) in list.iter_mut().zip(low).zip(shown) {
         (*x, *low) = (shown.into(), [0.0; D]);

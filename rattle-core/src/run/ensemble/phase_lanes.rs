@@ -15,7 +15,7 @@ use crate::run::ensemble::phase_row::{Laws, ROW, Row, Swept};
 use crate::run::ensemble::phase_step::{Scratch, step};
 use crate::run::ensemble::splits::hallmark;
 use crate::run::ensemble::splitting_lanes::by_itself;
-use crate::run::fingerprint::{IN_MOTION, Looks, of_lane, told};
+use crate::run::fingerprint::{IN_MOTION, Looks, of_lane, tell};
 use crate::run::trouble::Trouble;
 use crate::solve::aim::Pace;
 use crate::systems::phase::InPhaseSpace;
@@ -176,11 +176,7 @@ where
     fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark> {
         // Momenta decide what constraints and energies are here, and none runs ahead.
         let mut marks = of_lane(self.system(lane), looks, self.h);
-        marks.extend(
-            of_lane(self.system(lane), &looks.in_motion(), self.h)
-                .into_iter()
-                .map(|mark| told(mark, IN_MOTION)),
-        );
+        tell(of_lane(self.system(lane), &looks.in_motion(), self.h), IN_MOTION, &mut marks);
         marks
     }
 
