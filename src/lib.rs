@@ -73,6 +73,7 @@ pub mod surfaces;
 #[cfg(feature = "view")]
 pub mod view;
 pub mod vtu;
+mod xml;
 
 /// Methods: maps that take all bodies one step on. The traits to write one.
 pub mod method {

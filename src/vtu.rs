@@ -18,6 +18,7 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
+use crate::xml::escaped;
 use std::fmt::{Debug, Write as _};
 use std::fs::{self, File};
 use std::io::{self, Seek as _, SeekFrom, Write as _};
@@ -119,11 +120,6 @@ fn array(
         let _ = write!(out, "{number:?} "); // into a string
     }
     out.push_str("\n</DataArray>\n");
-}
-
-/// As the value of an attribute.
-fn escaped(name: &str) -> String {
-    name.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// A time series: files `name_000000.vtu`, … and `name.pvd` with their times. `name.pvd` is complete after each file.

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum CheckpointError {
     /// The file can't be written or read.
-    #[error("{}: {source}; the last checkpoint and the run are as they were", path.display())]
+    #[error("{}: {source}; the last checkpoint is as it was", path.display())]
     Io {
         /// The file.
         path: PathBuf,

@@ -118,7 +118,8 @@ fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
         let _ = fs::remove_file(&beside); // which may not be there
         return Err(error);
     }
-    sync_folder(&place)
+    sync_folder(&place);
+    Ok(())
 }
 
 /// Where the file is, and where it is written before it gets its name.
@@ -142,13 +143,12 @@ fn fill(beside: &Path, bytes: &[u8]) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Has the new name outlast a crash; where folders cannot be opened, the system does that itself.
-fn sync_folder(place: &Path) -> io::Result<()> {
-    if !cfg!(unix) {
-        return Ok(());
-    }
+/// Has the new name outlast a crash of the system, where folders can be opened and synced: the file is in place, with
+/// this or without.
+fn sync_folder(place: &Path) {
     let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty());
-    File::open(folder.map_or_else(|| PathBuf::from("."), Path::to_path_buf))?.sync_all()
+    let folder = File::open(folder.unwrap_or_else(|| Path::new(".")));
+    let _ = folder.and_then(|folder| folder.sync_all());
 }
 
 fn kind(data: &Data) -> u8 {

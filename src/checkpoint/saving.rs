@@ -99,8 +99,9 @@ impl Saving {
     /// start from a step that is no multiple: so that it looks at multiples only, as if the run had never ended.
     ///
     /// A recorder that is flushed in `take` has all rows in its file that come before a checkpoint, also where it
-    /// fails: then the last checkpoint stays. After a kill the file may have rows from behind the checkpoint too, which
-    /// come again: let each start write a file of its own, or drop the rows whose step is past that of the checkpoint.
+    /// fails: then the last checkpoint stays. (`NpzParts` and `Parquet` can be read only when they are finished.) After
+    /// a kill the file may have rows from behind the checkpoint too, which come again: let each start write a file of
+    /// its own, or drop the rows whose step is past that of the checkpoint.
     ///
     /// ```
     /// # use rattle::{checkpoint::Saving, prelude::*, surfaces::Sphere};

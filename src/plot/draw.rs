@@ -289,7 +289,8 @@ fn window(sheet: &Sheet, axis: usize, number: f64) -> Axis {
         let ends = || curve.points.iter().flat_map(|p| [p.0 - 0.5 * width, p.0 + 0.5 * width]);
         match (axis, sheet.log[axis]) {
             (0, log) => ends().filter(|&x| !log || x > 0.0).collect(),
-            (_, true) => Vec::new(),
+            // The lowest has some height, too.
+            (_, true) => curve.points.iter().map(|p| 0.5 * p.1).filter(|&low| low > 0.0).collect(),
             (_, false) => vec![0.0],
         }
     });

@@ -1,5 +1,7 @@
 //! SVG text (W3C, version 1.1) as far as a chart needs it: lengths are pixels, x from the left, y from the top.
 
+use crate::xml::escaped;
+
 pub(super) const INK: &str = "#2b2f36";
 pub(super) const PALE: &str = "#e8eaee";
 const FONTS: &str = "Inter, Segoe UI, Helvetica Neue, Liberation Sans, DejaVu Sans, Arial, sans-serif";
@@ -75,7 +77,7 @@ impl Svg {
         if words.is_empty() {
             return;
         }
-        let words = words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+        let words = escaped(words);
         self.add(&format!(r#"<text {place} font-size="{size}" fill="{INK}">{words}</text>"#));
     }
 

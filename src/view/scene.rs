@@ -236,8 +236,8 @@ impl Scene3 {
     }
 
     /// Periods of space along the axes; 0 for an axis without. Between two samples a body moves to the nearest image of
-    /// its next place, and trails and rods end at nearest images. So a body that leaves on one side enters on the other
-    /// without a streak across the picture.
+    /// its next place, its trail follows all such ways back, and rods end at nearest images. So a body that leaves on
+    /// one side enters on the other without a streak across the picture.
     ///
     /// ```
     /// let out_and_in = [[0.9, 0.0, 0.0], [0.1, 0.0, 0.0]];

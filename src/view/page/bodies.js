@@ -24,6 +24,11 @@ vec4 texel(highp sampler2D from, int i) {
 vec3 sampled(float body, float index) {
   return texel(samples, int(body) * int(frames) + int(clamp(index, 0.0, frames - 1.0))).xyz;
 }
+// How often a body has gone round space along the axes: see `#rounds` of Motion.
+vec3 rounds(float body, float index) {
+  float digits = texel(samples, int(body) * int(frames) + int(clamp(index, 0.0, frames - 1.0))).w;
+  return mod(floor(digits / vec3(1.0, 256.0, 65536.0)), 256.0);
+}
 // The image of a place that is nearest to another.
 vec3 nearest(vec3 place, vec3 to) {
   return place + periods * floor((to - place) / max(periods, vec3(1e-20)) + 0.5);
@@ -149,8 +154,10 @@ varying vec3 hue;
 varying float fade, side;
 // The head glides between samples; the older points are the samples themselves.
 vec3 aged(float age) {
-  vec3 head = placed(corner.z);
-  return age <= 0.0 ? head : nearest(sampled(corner.z, floor(frame) + 1.0 - age), head);
+  if (age <= 0.0) return placed(corner.z);
+  float now = floor(frame), then = now + 1.0 - age;
+  vec3 since = rounds(corner.z, now) - rounds(corner.z, then);
+  return sampled(corner.z, then) - periods * (mod(since + 128.0, 256.0) - 128.0);
 }
 vec4 seen(vec3 point) {
   vec4 view = modelViewMatrix * vec4(point, 1.0);

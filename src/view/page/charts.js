@@ -13,9 +13,9 @@ class Chart {
     const values = this.curves.map((curve) => curve.values);
     const end = (pick, none) => values.reduce((end, list) => list.reduce((a, b) => pick(a, b), end), none);
     [this.low, this.high] = [end(Math.min, Infinity), end(Math.max, -Infinity)];
-    const size = Math.max(...[this.low, this.high].map((end) => Math.abs(this.middle + end)));
-    if (!(this.high - this.low > 1e-13 * size)) {
-      const room = 1e-3 * size || 1;
+    const ends = [this.low, this.high].map((end) => this.middle + end);
+    if (constant(...ends)) {
+      const room = 1e-3 * Math.max(...ends.map(Math.abs)) || 1;
       [this.low, this.high] = [this.low - room, this.high + room];
     }
     page.setAttribute("role", "img");

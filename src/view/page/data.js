@@ -82,8 +82,12 @@ function notation(largest, step) {
   };
 }
 
+/** Whether two numbers are one but for rounding: round numbers between them would not be distinct doubles. */
+const constant = (low, high) => !(high - low > 1e-13 * Math.max(Math.abs(low), Math.abs(high)));
+
 /** Round numbers in a range, at most so many steps: 1, 2 or 5 times a power of ten. */
 function ticks(low, high, most) {
+  if (constant(low, high)) return [];
   const wanted = (high - low) / most;
   const decade = 10 ** Math.floor(Math.log10(wanted));
   const step = [1, 2, 5, 10].map((n) => n * decade).find((size) => size >= wanted * (1 - 1e-9));

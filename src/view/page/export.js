@@ -44,11 +44,19 @@ function crc32(bytes) {
   return (rest ^ 0xffffffff) >>> 0;
 }
 
+/** What a ZIP archive has room for: as many files, and bytes of them; the rest of 4 GiB is for its directory. */
+const MOST_FILES = 65535;
+const MOST_BYTES = 4e9;
+
 /** A ZIP archive of files that are stored as they are: PNG is packed already. */
 class Archive {
   parts = [];
   entries = [];
   length = 0;
+
+  hasRoom(bytes, mostFiles) {
+    return this.entries.length < mostFiles && this.length + bytes.length < MOST_BYTES;
+  }
 
   add(name, bytes) {
     const entry = { name: new TextEncoder().encode(name), crc: crc32(bytes), size: bytes.length, at: this.length };

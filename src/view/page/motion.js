@@ -219,6 +219,25 @@ class Motion {
       : this.places[end - this.particles];
   }
 
+  /**
+   * How often each body has gone round space along the axes, at each sample: from one to the next it goes to the nearest
+   * image. Counts to 256 are the digits of one number, the most that f32 holds.
+   */
+  #rounds() {
+    const rounds = new Float32Array(this.positions.length / 3);
+    if (!this.periods.some((period) => period > 0)) return rounds;
+    for (let i = 0; i < rounds.length; i++) {
+      if (i % this.frames === 0) continue; // the first of a body
+      this.periods.forEach((period, axis) => {
+        const way = this.positions[3 * i + axis] - this.positions[3 * (i - 1) + axis];
+        const digit = 256 ** axis;
+        const before = Math.floor(rounds[i - 1] / digit) % 256;
+        rounds[i] += digit * ((before + 256 - (period > 0 ? Math.round(way / period) % 256 : 0)) % 256);
+      });
+    }
+    return rounds;
+  }
+
   /** A length that rods typically have at the start. */
   #rodLength() {
     const lengths = [];
@@ -234,6 +253,8 @@ class Motion {
     const { particles, frames } = this;
     const bodies = this.positions.length / 3;
     const place = (i) => (i < bodies ? this.positions.subarray(3 * i, 3 * i + 3) : this.places[i - bodies]);
+    const rounds = this.#rounds();
+    const sample = (i) => [...place(i), rounds[i] ?? 0];
     const sizes = this.sizes && decode(this.sizes.values, Float32Array).map((size) => size / this.unit);
     const tints = this.tints && decode(this.tints.values, Uint16Array);
     const eachFrames = Math.max(this.sizes?.each ?? 1, this.tints?.each ?? 1);
@@ -244,7 +265,7 @@ class Motion {
     const size = Math.min(0.014 * this.radius * Math.max(crowd, 0.5), 0.3 * rodLength);
     this.fine = rodLength < 0.1 * this.radius; // joints need not stand out
     this.uniforms = {
-      samples: { value: texture(place, bodies + this.places.length) },
+      samples: { value: texture(sample, bodies + this.places.length) },
       each: { value: texture(own, sizes || tints ? particles * eachFrames : 1) },
       eachFrames: { value: sizes || tints ? eachFrames : 0 },
       frame: { value: 0 },

@@ -83,7 +83,7 @@ class Notes {
     pen.textAlign = "center";
     pen.fillStyle = pen.strokeStyle = palette().soft;
     pen.lineWidth = 1;
-    if (!(high > low)) return pen.fillText(String(Number(low.toPrecision(6))), left, top + 31);
+    if (constant(low, high)) return pen.fillText(String(Number(low.toPrecision(6))), left, top + 31);
     for (const { value, label: number } of ticks(low, high, 4)) {
       const x = left + (width * (value - low)) / (high - low);
       this.#line([x, top + 27], [x, top + 31]);

@@ -186,23 +186,33 @@ function start() {
     return compose([canvas, notes.page], charts, document.title, clock.firstChild.textContent);
   }
 
-  /** All pictures at equal distances of time, in an archive; a second press on the button ends it, with nothing kept. */
-  async function film() {
-    if (filming) return (filming.ended = true) && null;
+  /**
+   * All pictures at equal distances of time, in an archive, or in several where one has no room for all; a second press
+   * on the button ends it, with nothing kept.
+   */
+  async function film(mostFiles = MOST_FILES) {
+    if (filming) return (filming.ended = true) && [];
     const mine = (filming = { ended: false });
-    const [archive, { frame, times, last, pace }] = [new Archive(), motion()];
+    const { frame, times, last, pace } = motion();
+    const archives = [];
+    let archive = new Archive();
     const count = Math.max(Math.round(((times[last] - times[0]) / pace / speed) * FILM_RATE), 1);
     const words = element("film").textContent;
     for (let i = 0; i <= count && !mine.ended; i++) {
       seek(motion().frameAt(times[0] + ((times[last] - times[0]) * i) / count));
       const png = await toPng(picture());
-      archive.add(`frame-${String(i).padStart(5, "0")}.png`, new Uint8Array(await png.arrayBuffer()));
+      const bytes = new Uint8Array(await png.arrayBuffer());
+      if (!archive.hasRoom(bytes, mostFiles)) {
+        archives.push(archive.finish());
+        archive = new Archive();
+      }
+      archive.add(`frame-${String(i).padStart(Math.max(String(count).length, 5), "0")}.png`, bytes);
       element("film").textContent = `${Math.floor((100 * i) / count)} %`;
     }
     element("film").textContent = words;
     seek(frame);
     filming = null;
-    return mine.ended ? null : archive.finish();
+    return mine.ended ? [] : [...archives, archive.finish()];
   }
 
   function theme() {
@@ -239,8 +249,8 @@ function start() {
   element("reset").addEventListener("click", frameAll);
   element("photo").addEventListener("click", async () => download(await toPng(picture()), `${fileName()}.png`));
   element("film").addEventListener("click", async () => {
-    const archive = await film();
-    if (archive) download(archive, `${fileName()}.zip`);
+    const archives = await film();
+    archives.forEach((archive, i) => download(archive, `${fileName()}${archives.length > 1 ? `-${i + 1}` : ""}.zip`));
   });
   canvas.addEventListener("pointermove", (event) => {
     if (event.buttons) return;

@@ -146,7 +146,8 @@ impl<const D: usize> Columns<D> {
         self.with(name, Entry::Number, move |now, to| to.push(of(now)))
     }
 
-    /// Adds a row of the start, before the first step that is observed.
+    /// Adds a row of the start, before the first step that is observed. It is written at the first sight, so none is in
+    /// a run that ends before that.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State, watch::{Columns, Recorder, Rows}};
@@ -164,8 +165,8 @@ impl<const D: usize> Columns<D> {
     }
 
     /// Records only the first sight at or after each of these times, given in any order; where time runs back, at or
-    /// before. The start counts as a sight: it is that of all times that it has reached. A time that is less than a
-    /// millionth of a step ahead counts as reached, as by
+    /// before. The start counts as a sight where another follows: it is that of all times that it has reached. A time
+    /// that is less than a millionth of a step ahead counts as reached, as by
     /// [`run_until`](crate::run::simulation::Simulation::run_until). Times are not met more exactly than the run is
     /// observed: one between the last sight of a call and its end is met by the first sight of the next call. A run
     /// that goes on from a checkpoint begins with such a sight as well; leave out the times that are recorded already.
@@ -412,7 +413,8 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
     }
 
     /// Passes on all rows, and waits until they are where they belong, such as in a file: before a checkpoint, so that
-    /// no row before it is missing.
+    /// no row before it is missing. Files of some formats can be read only when they are finished, whatever was passed
+    /// on.
     ///
     /// # Errors
     /// [`Error::Recorder`] where rows could not be taken.
