@@ -351,6 +351,29 @@ fn gradients_whose_squares_are_no_numbers_are_told() {
     }
 }
 
+/// So they do by that over the masses, which is another's size where masses are.
+#[test]
+fn gradients_whose_squares_over_masses_are_no_numbers_are_told() {
+    let start = State::of([[0.0; 3], [1.0, 0.0, 0.0]]);
+    let scene = |c: f64, mass: f64| Scene::points(2).link(ScaledRod { c }, [[0, 1]]).masses([mass; 2]);
+    for (c, mass) in [(1e-140, 1e30), (1e140, 1e-30)] {
+        let errors = [
+            refused(scene(c, mass).simulate(start.clone(), Rattle::new(0.1))),
+            refused(scene(c, mass).project(&start)),
+        ];
+        for error in errors {
+            let told = matches!(error, Error::Start { cause: StartFailure::OutOfScale { .. }, .. });
+            assert!(told && error.to_string().contains("over the masses"), "{c:e} {mass:e}: {error}");
+        }
+        let spin = State::of([[0.0; 3], [1.0, 0.0, 0.0]]).with_momenta([[0.0; 3], [0.0, mass, 0.0]]);
+        let scene = scene(1.0, mass);
+        let mut simulation = scene.simulate(scene.project(&spin).unwrap(), Rattle::new(0.1)).unwrap();
+        simulation.run(10).unwrap();
+        let [a, b] = [0, 1].map(|i| simulation.positions().nth(i).unwrap());
+        assert!(((a - b).norm() - 1.0).abs() <= 8.0 * f64::EPSILON, "{mass:e}: {a} {b}");
+    }
+}
+
 pair_potential! {
     /// A bond that breaks at r₀ (FENE).
     struct Fene { k, r0 }

@@ -92,6 +92,33 @@ fn pins() {
     });
 }
 
+/// What is pinned is put onto its pin: an equation must hold there, and not where a state has it within what is
+/// tolerated beside bodies that are far away.
+#[test]
+fn equations_hold_at_the_pins() {
+    let scene = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1]]).pin(0, [0.0; 3]);
+    let start = |off: f64, end: f64| State::of([[0.0, 0.0, off], [0.0, 0.0, end], [1e6, 0.0, 0.0]]);
+    let off = |start| match scene.simulate(start, Rattle::new(0.01)).map(drop).unwrap_err() {
+        Error::Start { cause: StartFailure::OffConstraint { distance, .. }, .. } => distance,
+        other => panic!("{other}"),
+    };
+    let distance = off(start(9e-5, -1.0 + 9e-5));
+    assert!((distance - 9e-5).abs() < 1e-8, "{distance:e}");
+    let simulation = scene.simulate(start(9e-5, -1.0), Rattle::new(0.01)).unwrap();
+    assert!(simulation.constraint_residual() < 1e-15);
+    // Between two pins too.
+    let scene = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1]]).pin(0, [0.0; 3]).pin(1, [1.0, 0.0, 0.0]);
+    let start = |off: f64, end: f64| State::of([[off, 0.0, 0.0], [end, 0.0, 0.0], [1e6, 0.0, 0.0]]);
+    assert!(scene.simulate(start(9e-5, 1.0), Rattle::new(0.01)).is_ok());
+    let scene =
+        Scene::points(3).link(Rod { length: 1.0 }, [[0, 1]]).pin(0, [0.0; 3]).pin(1, [1.0 - 1e-5, 0.0, 0.0]);
+    let refused = scene.simulate(start(8e-5, 1.0 + 8e-5), Rattle::new(0.01)).map(drop);
+    assert!(
+        matches!(refused, Err(Error::Start { cause: StartFailure::BetweenPins { .. }, .. })),
+        "{refused:?}"
+    );
+}
+
 /// How far it is to where a normal is none does not depend on the unit of time, nor on that of g.
 #[test]
 fn links_that_move_in_any_unit() {

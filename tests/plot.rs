@@ -101,10 +101,16 @@ fn charts_show_their_words_and_points() {
             Chart::new("a < b & \"c\"").line("<x>", [(0.0, 0.0), (1.0, 1.0)]),
             vec!["a &lt; b &amp;", "&lt;x&gt;"],
         ),
+        (
+            "controls", // which XML cannot have, escaped or not
+            Chart::new("\u{1b}[1mbold\u{1b}[0m\0").line("\u{ffff}", [(0.0, 0.0), (1.0, 1.0)]),
+            vec!["\u{fffd}[1mbold\u{fffd}[0m\u{fffd}", ">\u{fffd}<"],
+        ),
     ] {
         let svg = chart.to_svg().unwrap();
         words.iter().for_each(|word| assert!(svg.contains(word), "{name}: no `{word}` in the picture"));
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}: a coordinate is not a number");
+        assert!(svg.chars().all(|c| c == '\n' || !c.is_control()), "{name}: no reader of XML opens it");
         // RATTLE_PICTURES=folder keeps the pictures, to be looked at.
         if let Some(folder) = std::env::var_os("RATTLE_PICTURES") {
             chart.save(std::path::Path::new(&folder).join(format!("{name}.svg"))).unwrap();
@@ -291,6 +297,15 @@ fn bars_stand_on_zero() {
     let bottom = frame(&svg)[3];
     let (y, height) = (numbers(&svg, "crispEdges", "y"), numbers(&svg, "crispEdges", "height"));
     assert!((y[1] + height[1] - bottom).abs() < 0.02 && height[1] > 300.0, "{y:?} {height:?} {bottom}");
+    // So do the lowest, also where their number is a tick.
+    for least in [1e-3, 1.0, 0.3] {
+        let bars = [1.0, 2.0, 40.0, 2000.0].map(|times| (f64::ln(times), least * times));
+        for number in 1..=4 {
+            let svg = Chart::new("").log_y().bars("", bars[..number].to_vec()).to_svg().unwrap();
+            let height = numbers(&svg, "crispEdges", "height");
+            assert!(height.iter().all(|&height| height > 10.0), "{least} {number}: {height:?}");
+        }
+    }
 }
 
 /// On a logarithmic axis of x too, where the foot of the first would be below zero.

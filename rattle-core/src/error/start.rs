@@ -237,10 +237,11 @@ pub enum StartFailure {
         /// |∇g|/|∇²g n| with n = ∇g/|∇g|, to first order the distance to the point where ∇g = 0.
         distance: f64,
     },
-    /// The gradient is so long or so short that its square overflows or underflows.
+    /// The gradient is so long or so short that its square, or that over the masses, overflows or underflows.
     #[error(
-        "the gradient of {} has the length {gradient:.1e}, and its square is beyond the numbers; choose units in which \
-         lengths are nearer to 1, or multiply the constraint by about {:.0e} if lengths are", equation.as_ref().map_or("the constraint".into(), ToString::to_string), 1.0 / gradient
+        "the gradient of {} has the length {gradient:.1e}, and its square, or that over the masses, is beyond the \
+         numbers; choose units in which lengths and masses are nearer to 1, or multiply the constraint by about {:.0e} \
+         if they are", equation.as_ref().map_or("the constraint".into(), ToString::to_string), 1.0 / gradient
     )]
     OutOfScale {
         /// Which equation, for linked bodies.

@@ -9,7 +9,7 @@ use crate::motion::failure::Failure;
 use crate::number::vector::{add_scaled, dot, larger, size as largest, sum, two_sum};
 use crate::solve::aim::{Aim, ROUNDINGS, SMOOTH};
 use crate::solve::root::FAR_GUESS;
-use crate::solve::stop::{SPARE, Shrinking, size_of_terms};
+use crate::solve::stop::{SPARE, Shrinking, over_rounding, size_of_terms};
 use crate::systems::linked::flight::{CONTRACTION, Flight, Landing, MAX_CORRECTIONS};
 use crate::systems::linked::kept::{Counts, Room};
 use crate::systems::linked::moving::Moving;
@@ -183,7 +183,7 @@ impl<Fo: Force<f64, D>, const D: usize> Few<'_, '_, Fo, D> {
         }
         let (mut g, mut lengths, mut scale, mut off) = ([0.0; M], [0.0; M], [0.0; M], [0.0; M]);
         for i in 0..M {
-            let (mut along, mut most) = (0.0, 0.0);
+            let (mut along, mut most) = (dense.along_pins::<N>(i), dense.pinned[i]);
             for b in 0..N {
                 for d in 0..D {
                     along += dense.trial[i].blocks[b][d].abs() * sizes[b][d];
@@ -192,11 +192,8 @@ impl<Fo: Force<f64, D>, const D: usize> Few<'_, '_, Fo, D> {
             }
             g[i] = dense.trial[i].value;
             lengths[i] = dense.square::<N>(i).sqrt();
-            let size = larger(
-                size_of_terms(along, path * lengths[i], most * lengths[i]),
-                dense.pinned[i] * lengths[i],
-            );
-            scale[i] = 1.0 / (f64::EPSILON * larger(size, g[i].abs()));
+            let size = size_of_terms(along, path * lengths[i], most * lengths[i]);
+            scale[i] = over_rounding(larger(size, g[i].abs()));
             off[i] = g[i] / lengths[i];
         }
 

@@ -24,7 +24,7 @@ use crate::motion::failure::Failure;
 use crate::number::vector::{add_scaled, dot, larger, largest, size, sum};
 use crate::solve::aim::Aim;
 use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, follow, straight};
-use crate::solve::stop::{SPARE, Shrinking, Terms};
+use crate::solve::stop::{SPARE, Shrinking, Terms, over_rounding};
 use crate::systems::linked::kept::Counts;
 use crate::systems::linked::kept::Room;
 use crate::systems::network::line::Line;
@@ -460,7 +460,7 @@ impl<const D: usize> Flight<'_, D> {
             let terms = Terms::of([(&pair[0], before.0, before.1), (&pair[1], after.0, after.1)].into_iter());
             *length = terms.length();
             let size = larger(terms.size(*length), g.abs());
-            *scale = if *length > 0.0 { 1.0 / (f64::EPSILON * size) } else { f64::NAN };
+            *scale = if *length > 0.0 { over_rounding(size) } else { f64::NAN };
             before = after;
         }
     }
@@ -479,7 +479,7 @@ impl<const D: usize> Flight<'_, D> {
             }));
             *length = terms.length();
             let size = larger(terms.size(*length), g[row].abs());
-            *scale = if *length > 0.0 { 1.0 / (f64::EPSILON * size) } else { f64::NAN };
+            *scale = if *length > 0.0 { over_rounding(size) } else { f64::NAN };
         }
     }
 

@@ -24,6 +24,13 @@ const NARROW: f64 = 1e-3;
 /// Distances that no longer shrink may be the rounding of g below this part of the coordinates.
 const NEAR: f64 = 1e-7;
 
+/// Where bodies are once the run begins: a state may have what is pinned a little off its pin.
+fn places<const D: usize>(shape: &Shape<D>, state: &State<D>) -> Vec<[f64; D]> {
+    let mut q = Body::positions(&state.bodies);
+    shape.pins.iter().for_each(|&(body, at)| q[body] = at);
+    q
+}
+
 /// Everything evaluated at the start for one component.
 struct Start<const D: usize> {
     q: Vec<[f64; D]>,
@@ -39,7 +46,7 @@ impl<const D: usize> Start<D> {
         let (rows, blocks) = shape.widest;
         let v = state.bodies.iter().zip(&shape.roots).map(|(body, root)| root.velocity(&body.p));
         Self {
-            q: Body::positions(&state.bodies),
+            q: places(shape, state),
             v: v.collect(),
             lift: vec![[0.0; D]; state.bodies.len()],
             g: vec![0.0; rows],
@@ -74,6 +81,17 @@ impl<const D: usize> Start<D> {
     fn length(&self, shape: &Shape<D>, c: usize, row: usize) -> f64 {
         let blocks = shape.components[c].rows.blocks_of(row);
         length_of(blocks.flat_map(|(block, _)| &self.blocks[block]))
+    }
+
+    /// Whether steps can do with the gradient of an equation: with |∇g|², and with that by the masses.
+    fn has_square(&self, shape: &Shape<D>, c: usize, row: usize) -> bool {
+        let rows = &shape.components[c].rows;
+        let by_masses = |(block, body): (usize, usize)| {
+            let root = &shape.roots[rows.bodies[body]];
+            length_of(&root.halve(&self.blocks[block]))
+        };
+        let by_masses: Vec<f64> = rows.blocks_of(row).map(by_masses).collect();
+        has_square(self.length(shape, c, row)) && has_square(length_of(&by_masses))
     }
 
     /// Whether an equation is off by no more than the rounding of coordinates.
@@ -220,7 +238,7 @@ fn check_row<const D: usize>(
         let distance = if length == 0.0 { 0.0 } else { singular };
         return Err(StartFailure::Vanishes { equation: at(), gradient: length, distance });
     }
-    if !has_square(length) {
+    if !start.has_square(shape, c, row) {
         return Err(StartFailure::OutOfScale { equation: Some(at()), gradient: length });
     }
     let distance = value.abs() / length;
@@ -396,7 +414,7 @@ fn place<const D: usize>(
         for row in 0..m {
             let length = start.length(shape, c, row);
             there &= start.is_there(shape, c, row);
-            if length.is_finite() && length > 0.0 && !has_square(length) {
+            if length.is_finite() && length > 0.0 && !start.has_square(shape, c, row) {
                 let equation = Some(shape.equation_at(c, row));
                 return Err(at(shape, c, row, StartFailure::OutOfScale { equation, gradient: length }));
             }
@@ -448,7 +466,7 @@ fn place<const D: usize>(
 
 /// Whether links between pinned bodies alone hold.
 fn check_fixed<const D: usize>(shape: &Shape<D>, state: &State<D>) -> Result<(), Error> {
-    let q = Body::positions(&state.bodies);
+    let q = places(shape, state);
     let mut topology = (usize::MAX, (Vec::new(), 0));
     for &(group, member) in &shape.fixed {
         let links = &shape.groups[group];

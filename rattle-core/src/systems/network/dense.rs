@@ -229,6 +229,18 @@ impl<const D: usize> Dense<D> {
         sum
     }
 
+    /// Σ|nᵢqᵢ| over the coordinates of what is pinned, at the trial.
+    #[inline(always)]
+    pub(crate) fn along_pins<const N: usize>(&self, row: usize) -> f64 {
+        let mut along = 0.0;
+        for (normal, place) in self.trial[row].blocks[N..self.used].iter().zip(&self.places[N..self.used]) {
+            for d in 0..D {
+                along += (normal[d] * place[d]).abs();
+            }
+        }
+        along
+    }
+
     /// Inverts G M⁻¹Gᵀ where the step starts. Returns its pivots, and its diagonal.
     #[inline(always)]
     pub(crate) fn take<const M: usize, const N: usize>(&mut self) -> [Column<M>; 2] {
