@@ -14,6 +14,8 @@ mod other_runs;
 mod page;
 #[path = "../page_data.rs"]
 mod page_data;
+#[path = "../page_edges.rs"]
+mod page_edges;
 #[path = "../plot.rs"]
 mod plot;
 #[path = "../price_page.rs"]

@@ -24,7 +24,7 @@ vec4 texel(highp sampler2D from, int i) {
 vec3 sampled(float body, float index) {
   return texel(samples, int(body) * int(frames) + int(clamp(index, 0.0, frames - 1.0))).xyz;
 }
-// How often a body has gone round space along the axes: see `#rounds` of Motion.
+// How often a body has gone round space along the axes: counted in motion.js.
 vec3 rounds(float body, float index) {
   float digits = texel(samples, int(body) * int(frames) + int(clamp(index, 0.0, frames - 1.0))).w;
   return mod(floor(digits / vec3(1.0, 256.0, 65536.0)), 256.0);
