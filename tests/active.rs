@@ -3,13 +3,17 @@
 
 use crate::common::order;
 use crate::common::statistics::DEVIATIONS;
+use rattle::effect::{Acting, Effect, Interval, Moment};
 use rattle::effect::{DryFriction, Langevin, LinearDrag, MagneticField, SelfPropulsion};
+use rattle::lanes::Lane;
 use rattle::links::Rod;
 use rattle::nalgebra::{SVector, Vector3};
 use rattle::potentials::{Gravity, Wca};
 use rattle::prelude::*;
+use rattle::real::Real;
 use rattle::surfaces::{Plane, Sphere, Torus};
 use std::f64::consts::TAU;
+use std::sync::{Arc, Mutex};
 
 /// The mean of some numbers is this, within chance and what the step is off by.
 fn is(numbers: &[f64], exact: f64, by_step: f64) {
@@ -276,4 +280,65 @@ fn headings_and_baths_go_on_with_other_steps() {
     assert_eq!(finer.memory(), run.memory());
     let hotter = scene.simulate(run.state(), NoseHoover::new(2.0, 0.5, 0.01)).unwrap();
     assert!(hotter.memory().iter().all(|&x| x == 0.0));
+}
+
+/// A flow that does nothing, and notes which random numbers it is handed: where it takes note, and where it acts.
+#[derive(Debug, Clone, Default)]
+struct Notes([Arc<Mutex<Vec<[u64; 4]>>>; 2]);
+/// The kind of effect that notes.
+struct Noting;
+
+impl<const D: usize> Effect<D, Noting> for Notes {
+    type Acting<T: Real> = Notes;
+    fn acting<T: Real>(&self) -> Notes {
+        self.clone()
+    }
+    type Swept<S: Lane, const L: usize> = [Notes; L];
+    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> [Notes; L]
+    where
+        Self: 'a,
+    {
+        std::array::from_fn(|i| lane(i).clone())
+    }
+}
+
+impl<T: Real, const D: usize> Acting<T, D> for Notes {
+    type Room = ();
+    const FLOWS: bool = true;
+    const REMEMBERS: bool = true;
+    const PUSHES: bool = true;
+    fn room(&self, _: usize) {}
+    fn take_note(&self, during: &Interval<'_, T, D>, _: &mut [T]) {
+        self.0[0].lock().unwrap().push(during.noise.words(7, 0));
+    }
+    fn flow(&self, during: &Interval<'_, T, D>, (): &mut (), changes: &mut [[T; D]]) {
+        self.0[1].lock().unwrap().push(during.noise.words(7, 0));
+        changes.fill([T::from_f64(0.0); D]);
+    }
+    fn add_forces(&self, _: Moment<'_, T, D>, (): &mut (), _: &mut [[T; D]]) {}
+    fn energy(&self, _: Moment<'_, T, D>) -> T {
+        T::from_f64(0.0)
+    }
+}
+
+/// All flows of a scene by one seed: no number is drawn twice where they take note, nor any of those where they act.
+/// (In a half of a step they may be asked more than once, for the same numbers.)
+#[test]
+fn no_number_is_drawn_twice() {
+    fn drawn(method: impl Method) -> [usize; 2] {
+        let notes = Notes::default();
+        let scene = Scene::point().with(notes.clone()).with(notes.clone());
+        let mut simulation = scene.simulate(State::at([0.0, 0.0]), method).unwrap();
+        simulation.run(5).unwrap();
+        let [noted, mut acted] = notes.0.map(|list| list.lock().unwrap().clone());
+        acted.dedup();
+        let mut all = [&noted[..], &acted].concat();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), noted.len() + acted.len());
+        [noted.len(), acted.len()]
+    }
+    // Five steps: two flows that take note twice and act twice, and in Brownian motion once.
+    assert_eq!([drawn(Rattle::new(0.1)), drawn(Baoab::new(0.1))], [[20, 20]; 2]);
+    assert_eq!(drawn(Brownian::new(1.0, 1.0, 7, 0.1)), [20, 10]);
 }

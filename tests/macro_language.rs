@@ -37,6 +37,15 @@ constraint! {
         for i in 0..=n { if i == 0 || i > 100 { x[0] } else { x[i] - x[i - 1] } + product(j in 0..i, x[j]) }
     }
 }
+constraint! {
+    /// Parameters may be called as functions are; a sum over nothing is 0, also of arrays.
+    pub struct Triangular { cos, floor }
+    |q: [[f64; 2]; 3]| for i in 0..3 {
+        let a = q[i] - sum(j in 0..i, q[j]);
+        let b = sum(j in i + 1..3, q[j]) - q[i];
+        dot(a, a) * (cos - 1) + dot(b, b) - (floor - 0.5)
+    }
+}
 hamiltonian! {
     /// A pendulum in Cartesian coordinates.
     pub struct Pendulum { g }
@@ -51,6 +60,23 @@ phase_constraint! {
     /// The sphere of the Hopf fibration.
     pub struct Sphere3 {}
     |q: [f64; 2], p: [f64; 2]| [dot(q, q) + dot(p, p) - 1, q[0] * p[1] - q[1] * p[0]]
+}
+
+#[test]
+fn sums_over_nothing() {
+    let q = [0.3, -0.7, 1.1, 0.2, -0.4, 0.9];
+    let g = Triangular { cos: 3.0, floor: 2.5 }.value(&SVector::from(q));
+    let at = |i: usize| [q[2 * i], q[2 * i + 1]];
+    for i in 0..3 {
+        let (mut a, mut b) = (at(i), [0.0; 2]);
+        let before = (0..i).fold([0.0; 2], |sum, j| [sum[0] + at(j)[0], sum[1] + at(j)[1]]);
+        let after = (i + 1..3).fold([0.0; 2], |sum, j| [sum[0] + at(j)[0], sum[1] + at(j)[1]]);
+        for d in 0..2 {
+            (a[d], b[d]) = (a[d] - before[d], after[d] - at(i)[d]);
+        }
+        let by_hand = (a[0] * a[0] + a[1] * a[1]) * 2.0 + (b[0] * b[0] + b[1] * b[1]) - 2.0;
+        assert!((g[i] - by_hand).abs() < 1e-15 * 8.0, "{i}: {} {by_hand}", g[i]);
+    }
 }
 
 #[test]

@@ -112,6 +112,13 @@ impl Arithmetic<'_> {
             (Value::Number(number), Value::Array(_)) if operator == Mul => {
                 self.map(&right, &|graph, element| operation(graph, *number, element))
             }
+            // A sum over nothing is 0, whatever its terms would be.
+            (Value::Array(_), &Value::Number(zero)) if self.graph.number(zero) == Some(0.0) => left,
+            (&Value::Number(zero), Value::Array(_))
+                if operator != Div && self.graph.number(zero) == Some(0.0) =>
+            {
+                self.map(&right, &|graph, element| operation(graph, zero, element))
+            }
             (&Value::Number(a), &Value::Number(b)) => {
                 let result = operation(self.graph, a, b);
                 let parts = if matches!(operator, Mul | Div) { [a, b] } else { [result; 2] };

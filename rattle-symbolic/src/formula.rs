@@ -1,6 +1,7 @@
 //! Formulas for the generated documentation: as written, and the gradient as found.
 
 use crate::algebra::Scaled;
+use crate::functions::Binary;
 use crate::graph::Graph;
 use crate::node::{Comparison, Id, Input, Node};
 use crate::syntax::{Binder, Expr, Item, Kind, Operator};
@@ -225,6 +226,9 @@ fn node(
             (format!("{}^{exponent}", at(a, Tightness::Atom)?), Tightness::Power)
         }
         Node::Call(function, a) => (format!("{}({})", function.name(), of(a)?.0), Tightness::Atom),
+        Node::Call2(Binary::Powf, a, b) => {
+            (format!("{}^{}", at(a, Tightness::Atom)?, at(b, Tightness::Atom)?), Tightness::Power)
+        }
         Node::Call2(function, a, b) => {
             (format!("{}({}, {})", function.name(), of(a)?.0, of(b)?.0), Tightness::Atom)
         }

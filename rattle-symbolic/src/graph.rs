@@ -6,7 +6,8 @@
 //! * The methods here follow the *value policy*: what they build computes, bit for bit, what the
 //!   user wrote. They only do what IEEE 754 guarantees: equal operations share a node, operands of
 //!   `+` and `×` may swap, `1·x`, `x/1`, `x − 0` and `−(−x)` vanish, and constants fold where the
-//!   result is exact.
+//!   result is exact. The one exception is the root of an even power, |x| to half of it: the same
+//!   bits where the power has all its digits, and the better number where it has not.
 //! * The methods in [`algebra`](crate::algebra) follow the *derivative policy*: any algebraic form
 //!   will do, as long as it is always the same one. They use the n-ary `Sum` and `Product`.
 

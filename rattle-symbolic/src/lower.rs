@@ -28,7 +28,8 @@ struct Lowering<'a> {
     /// How many roots there are up to each element of the outermost list.
     parts: Vec<usize>,
     in_list: bool,
-    rounds: usize,
+    /// Loops that are open.
+    loops: usize,
     /// Expressions read so far, in every round of a loop.
     steps: usize,
     /// Whether something could not be read, so that what seems unused may have been meant.
@@ -62,7 +63,7 @@ pub(crate) fn lower(
         named: Vec::new(),
         parts: Vec::new(),
         in_list: false,
-        rounds: 0,
+        loops: 0,
         steps: 0,
         unreadable: false,
         exhausted: false,
@@ -88,6 +89,10 @@ impl Lowering<'_> {
         let mut roots = Vec::new();
         self.equations(body, expected, &mut roots);
         self.scope.close(0);
+        if roots.is_empty() && !self.problems.any() {
+            self.wrong(body.extent, "there is no equation: the ranges of its loops are empty");
+            self.unreadable = true; // then what it is made of is used, as far as one knows
+        }
         if !self.unreadable {
             self.scope.report_unused(self.problems, expected.every_variable);
         }
@@ -141,7 +146,7 @@ impl Lowering<'_> {
             }
             Kind::Block(lets, result) => {
                 let start = self.lets(lets);
-                if self.rounds == 0 {
+                if self.loops == 0 {
                     self.named.extend(self.scope.numbers_from(start));
                 }
                 self.equations(result, expected, roots);
@@ -204,13 +209,14 @@ impl Lowering<'_> {
         let last = if binder.inclusive { Some(to) } else { to.checked_sub(1) };
         let start = self.scope.len();
         for index in last.into_iter().flat_map(|last| from..=last) {
-            self.rounds += 1;
             if self.exhausted(binder.from.extent.to(binder.to.extent)) {
                 break;
             }
             let value = Value::Number(self.graph.constant(index as f64));
             self.define(&binder.index, Role::Index, value, Some(Ratio::from(index)));
+            self.loops += 1;
             self.each(rest, body);
+            self.loops -= 1;
             self.scope.close(start);
         }
     }
@@ -335,6 +341,9 @@ impl Lowering<'_> {
             }
             Kind::If(condition, then, other) => self.branch(condition, then, other, expr.extent),
             Kind::Array(list) => {
+                if list.is_empty() {
+                    return self.wrong(expr.extent, "there is nothing in this array");
+                }
                 let list: Rc<[Value]> = list.iter().map(|element| self.expression(element)).collect();
                 let value = Value::Array(list);
                 if self.takes(value.size(), expr.extent) {

@@ -22,9 +22,9 @@ pub(crate) fn too_deep(tokens: &TokenStream) -> Option<Span> {
     None
 }
 
-/// Whether an operand may begin here.
+/// Whether an operand without a sign may begin here; `-1` is a literal to syn.
 pub(crate) fn starts_operand(input: ParseStream) -> bool {
-    input.peek(Lit) || input.peek(Ident::peek_any) || input.peek(token::Paren)
+    (input.peek(Lit) && !input.peek(Token![-])) || input.peek(Ident::peek_any) || input.peek(token::Paren)
 }
 
 /// What is wrong with what comes next wherever it stands: a keyword of Rust, but for `mod`, which is a function here;

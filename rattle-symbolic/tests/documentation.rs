@@ -38,6 +38,19 @@ fn derivatives_by_component() {
     }
 }
 
+/// Names of `let`s are those of what stands outside of loops, also after a loop. A power is shown as it is written.
+#[test]
+fn names_after_a_loop() {
+    let input =
+        "struct S {} |q: [f64; 2], z| { let s = norm(q); let c = sum(k in 0..2, q[k]^1.7); s * z + c }";
+    let output = expand(Macro::Constraint, input.parse().expect("tokens")).to_string();
+    for line in ["∂g/∂z = s\"", "∂g/∂q[0] = 1.7 * q[0]^0.7 + q[0] * z * (if s <= 0 { 0 } else { 1 / s })"]
+    {
+        assert!(output.contains(&format!("\"{line}")), "{line} in {}", &output[..1200]);
+    }
+    assert!(output[..1500].contains("q[0]^0.7") && !output[..1500].contains("powf(q"), "{}", &output[..1500]);
+}
+
 /// Derivatives of several equations of coordinates and momenta, each by its own variable.
 #[test]
 fn derivatives_on_phase_space() {

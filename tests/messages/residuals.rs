@@ -1,5 +1,5 @@
 //! Elements of meshes: every mistake by itself, though the kernels are used.
-use rattle_macros::residual;
+use rattle_macros::{constraint, residual};
 
 residual! {
     pub struct Other { epsilon }
@@ -41,6 +41,20 @@ residual! {
     |h, p|
     eliminate(p)
     [p - epsilon * h, h - 1]
+}
+
+residual! {
+    pub struct Nothing {}
+    |h: [f64; 3]|
+    { let n = 1; for i in 1..n { h[i] - h[i - 1] } }
+}
+constraint! {
+    pub struct NoRounds {}
+    |x, _y| { let n = 1; for i in 1..n { x * i - _y } }
+}
+constraint! {
+    pub struct Empty {}
+    |x, y| { let a = []; x * y + dot(a, a) }
 }
 
 fn main() {

@@ -150,5 +150,9 @@ constraint! {
     pub struct Root { r }
     |x, y| x^1/2 + y - r
 }
+constraint! {
+    pub struct Minus { r }
+    |x, y| x + sin -1 * y - r
+}
 
 fn main() {}

@@ -24,6 +24,8 @@ mod heat;
 mod heat_divided;
 #[path = "../impacts.rs"]
 mod impacts;
+#[path = "../impacts_found.rs"]
+mod impacts_found;
 #[path = "../pair_potentials.rs"]
 mod pair_potentials;
 #[path = "../particles.rs"]

@@ -12,7 +12,7 @@ pub(crate) fn halves(seed: u64) -> [f64; 2] {
 ///
 /// ```text
 /// words = Philox4x64-10(key = (seed, 0), counter = (trajectory, step, effect, draw))
-/// draw  = place within the step · 2⁴⁰ + number of the draw
+/// draw  = place within the step · 2⁴⁰ + number of the draw        2²² more for the place where flows take note
 /// ```
 ///
 /// `trajectory` is the index in an ensemble, 0 in a simulation, or the number given to

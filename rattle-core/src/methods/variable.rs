@@ -15,7 +15,8 @@
 //! G(z) = ln(R(Ψ_δ(z))/R(Ψ_{−δ}(z)))/2δ        Ψ a step of RATTLE, δ = ε/32
 //! ```
 //!
-//! does that exactly, for any R, without a derivative of R. ε is the longest step. τ is a time: where momenta change by
+//! does that exactly, for any R, without a derivative of R. ε is about the longest step: R is at least 1, and ρ/R at
+//! least ½, so just behind a passage one may be up to twice as long. τ is a time: where momenta change by
 //! their own size within τ, steps are shorter than ε. p₀² is a tenth of |p|² + τ²|ṗ|² at the start, so R stays finite
 //! where bodies are at rest.
 //!
@@ -43,7 +44,7 @@ use crate::number::vector::dot;
 
 /// ρ and R may differ by this part of R.
 const ASTRAY: f64 = 0.5;
-/// δ, as a part of the longest step: well below the shortest, well above the rounding of a difference.
+/// δ, as a part of ε: well below the shortest, well above the rounding of a difference.
 const PROBE: f64 = 1.0 / 32.0;
 /// p₀² as a part of what the start has.
 const REST: f64 = 0.1;
@@ -73,7 +74,8 @@ pub struct Variable<B> {
 }
 
 impl<B: Method> Variable<B> {
-    /// Steps of `base`, at most of its step size, and shorter where momenta change by their own size within the time
+    /// Steps of `base`, of about its step size at most (a few just behind a close passage may be up to twice as long),
+    /// and shorter where momenta change by their own size within the time
     /// `tau`, in the unit of time.
     #[must_use]
     pub fn of(base: B, tau: f64) -> Self {

@@ -9,6 +9,10 @@ use crate::error::StartFailure;
 /// momentum    sin α ≤ START_TOLERANCE             α: the angle between the momentum and the tangent plane
 /// ```
 ///
+/// In phase space g may be that part of its terms Σ|∂g/∂zᵢ||zᵢ|, over coordinates and momenta zᵢ, and {g, H} of its
+/// slopes times the largest coordinate and momentum that it depends on; or, if that is more, 1000 roundings of all that
+/// are as large as the largest.
+///
 /// This is far above rounding (1e-16) and far below the error of any method. A start beyond the tolerance is refused;
 /// [`Scene::project`](crate::scene::Scene::project) moves a state onto its constraints.
 pub const START_TOLERANCE: f64 = 1e-10;

@@ -142,6 +142,9 @@ pub(crate) fn stir<T: Scalar, Y: System<T, D>, const D: usize>(
     Ok(())
 }
 
+/// In the place of [`Noise`] where flows take note, so that they draw other numbers than where they act.
+const NOTES: u64 = 1 << 22;
+
 /// Has all flows take note of a time h that passes.
 pub(crate) fn take_note<T: Scalar, Y: System<T, D>, const D: usize>(
     half: Half,
@@ -151,7 +154,7 @@ pub(crate) fn take_note<T: Scalar, Y: System<T, D>, const D: usize>(
 ) {
     if const { Y::REMEMBERS } {
         for number in 0..Y::FLOWS {
-            let noise = Noise { effect: number as u64, ..bodies.noise };
+            let noise = Noise { effect: number as u64, place: bodies.noise.place | NOTES, ..bodies.noise };
             system.take_note(number, Given::of(h, half == Half::Before, noise), bodies);
         }
     }

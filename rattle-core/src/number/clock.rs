@@ -23,8 +23,10 @@ pub(crate) fn later(time: (f64, f64), passed: (f64, f64)) -> (f64, f64) {
 }
 
 /// How many steps of h lead from here to that time or less than one beyond it, which is none where this is not above 0.
-/// A time that is a whole number of steps away, to a millionth of a step, is reached by that number.
+/// A time that is a whole number of steps away, to a millionth of a step or the rounding of both times, is reached by
+/// that number; to half a step where steps are shorter than times are rounded.
 pub(crate) fn steps_to(time: f64, now: f64, h: f64) -> f64 {
-    let near = 1e-6_f64.max(4.0 * f64::EPSILON * (time / h).abs());
+    let rounding = 4.0 * f64::EPSILON * (time.abs().max(now.abs()) / h).abs();
+    let near = 1e-6_f64.max(rounding).min(0.5);
     ((time - now) / h - near).ceil()
 }

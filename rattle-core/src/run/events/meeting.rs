@@ -11,6 +11,10 @@
 //! τ = ε Σ |∂gap/∂qᵢ| (|qᵢ| + way)                                                   the rounding of the gap
 //! ```
 //!
+//! A gap may be rounded to less than τ tells, where it is a small difference of large terms: x² + y² + (z + r)² − r².
+//! Then there may be no instant with 0 ≤ gap ≤ 2τ. Where no instant is left between a positive gap and a negative one,
+//! both are the noise of this gap, and it is closed within that for the rest of the step.
+//!
 //! Each try is a step of the method from the start of the stretch, so the instant is that of the method's own motion.
 //! A gap that is closed at the start and opens is divided by the time: s = 0 is not the root that is sought.
 
@@ -52,11 +56,17 @@ pub(super) struct Look {
     /// The roundings of both.
     rounding: f64,
     slow: f64,
+    /// The contact is closed at gaps up to this.
+    touching: f64,
 }
 
 impl Look {
     fn touches(&self) -> bool {
-        self.gap <= TOUCHING * self.rounding
+        self.gap <= self.touching
+    }
+    /// The same of a gap with this noise.
+    fn with_noise(self, noise: f64) -> Self {
+        Self { rounding: self.rounding.max(noise), touching: self.touching.max(2.0 * noise), ..self }
     }
     /// Whether the contact is closed and would open into the other body.
     pub(super) fn meets(&self) -> bool {
@@ -84,6 +94,8 @@ pub(in crate::run) struct Meetings<const D: usize> {
     pub(super) near: Vec<WhichContact>,
     /// Those that do not, though they look like it.
     cleared: Vec<WhichContact>,
+    /// Of gaps in this step that are rounded to less than their gradients tell.
+    noises: Vec<(WhichContact, f64)>,
     found: Vec<usize>,
     pub(super) gradient: Gradient<D>,
     /// The farthest that a body goes in the step.
@@ -103,6 +115,7 @@ impl<const D: usize> Meetings<D> {
             rooms: Vec::new(),
             near: Vec::new(),
             cleared: Vec::new(),
+            noises: Vec::new(),
             found: Vec::new(),
             gradient: Vec::new(),
             way: 0.0,
@@ -115,6 +128,7 @@ impl<const D: usize> Meetings<D> {
     /// Begins a step.
     pub(super) fn begin(&mut self) {
         (self.way, self.impacts, self.restitution) = (0.0, 0, 1.0);
+        self.noises.clear();
     }
 
     /// Begins a stretch.
@@ -142,7 +156,13 @@ impl<const D: usize> Meetings<D> {
                 slow += (gradient[d] * v[d]).abs();
             }
         }
-        Look { gap, rate, rounding: f64::EPSILON * rounding, slow: 4.0 * f64::EPSILON * slow }
+        let (rounding, slow) = (f64::EPSILON * rounding, 4.0 * f64::EPSILON * slow);
+        Look { gap, rate, rounding, slow, touching: TOUCHING * rounding }.with_noise(self.noise(which))
+    }
+
+    /// The noise of a gap, as far as it is known in this step.
+    fn noise(&self, which: WhichContact) -> f64 {
+        self.noises.iter().filter(|noise| noise.0 == which).fold(0.0, |most, noise| noise.1.max(most))
     }
 
     /// Finds the contacts that can have closed where no body went farther than `way`, more than before.
@@ -287,7 +307,7 @@ impl<const D: usize> Meetings<D> {
             return Ok(Some(0.0));
         }
         if closed(&start, &end) {
-            return self.root(stretch, which, &start, (length, end)).map(Some);
+            return self.root(stretch, which, &start, (length, end));
         }
         let (mut low, mut high) = ((0.0, start), (length, end));
         for _ in 0..TRIES {
@@ -299,7 +319,7 @@ impl<const D: usize> Meetings<D> {
             stretch.go(at)?;
             let look = self.look(which, stretch.sign(), stretch.system, stretch.bodies);
             if closed(&start, &look) {
-                return self.root(stretch, which, &start, (at, look)).map(Some);
+                return self.root(stretch, which, &start, (at, look));
             }
             *(if look.rate < 0.0 { &mut low } else { &mut high }) = (at, look);
         }
@@ -307,20 +327,21 @@ impl<const D: usize> Meetings<D> {
         Ok(None)
     }
 
-    /// The instant at which the gap is zero, from above, before it is negative.
+    /// The instant at which the gap is zero, from above, before it is negative; none where it was noise that closed it.
     fn root<Y: System<f64, D>, S: Method>(
         &mut self,
         stretch: &mut Stretch<'_, Y, S, D>,
         which: WhichContact,
         start: &Look,
-        (mut high, mut look): (f64, Look),
-    ) -> Result<f64, Trouble> {
+        (mut high, end): (f64, Look),
+    ) -> Result<Option<f64>, Trouble> {
         let opens = start.touches();
         if opens && start.rate <= start.slow {
             return Err(self.rests(which, stretch.bodies.q.as_ref()).into());
         }
         let level = if opens { start.gap } else { 0.0 };
-        let (mut low, mut at) = (0.0, high);
+        let (mut low, mut at, mut look) = (0.0, high, end);
+        let [mut above, mut below] = [start.gap, end.gap].map(|gap| (gap - level).abs());
         for tried in 0..TRIES {
             // In the middle of what is landed on.
             let (gap, rate) = (look.gap - level - look.rounding, look.rate);
@@ -335,17 +356,26 @@ impl<const D: usize> Meetings<D> {
             look = self.look(which, stretch.sign(), stretch.system, stretch.bodies);
             let gap = look.gap - level;
             if 0.0 <= gap && gap <= 2.0 * look.rounding {
-                return Ok(at);
+                return Ok(Some(at));
             }
-            *(if gap > 0.0 { &mut low } else { &mut high }) = at;
+            if gap > 0.0 {
+                (low, above) = (at, gap);
+            } else {
+                (high, below) = (at, -gap);
+            }
         }
-        // The gap has more roundings than its gradient tells: the last instant before.
+        // No instant is left in between: the last one before.
+        let noise = above.max(below);
+        self.noises.push((which, noise));
+        if !closed(&start.with_noise(noise), &end.with_noise(noise)) {
+            return Ok(None);
+        }
         if low > 0.0 {
             stretch.go(low)?
         } else {
             stretch.go_back()
         }
-        Ok(low)
+        Ok(Some(low))
     }
 }
 

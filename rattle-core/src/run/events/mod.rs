@@ -35,6 +35,8 @@ pub(in crate::run) use stretch::Stretch;
 
 /// Impacts in a step, for each body.
 const MOST: u64 = 1000;
+/// Contacts in a row that are no impacts and take no time, after which bodies rest.
+const IDLE: u32 = 8;
 /// How often a stretch that cannot be gone is halved, in search of a contact before what hinders it; and one that is
 /// gone, until its parts tell where bodies are in between.
 const SHORTENED: u32 = 10;
@@ -109,7 +111,7 @@ impl<const D: usize> Search<D> {
     ) -> Result<u64, Trouble> {
         let whole = stretch.method.step_size().abs();
         let most = MOST * self.normals[0].len() as u64;
-        let (mut left, mut number) = (whole, 0);
+        let (mut left, mut number, mut idle) = (whole, 0, 0);
         self.meetings.begin();
         loop {
             let Some((event, after)) = self.first(stretch, left, went)? else { return Ok(number) };
@@ -118,7 +120,8 @@ impl<const D: usize> Search<D> {
             number += match event {
                 Event::Impacts(which) => {
                     let impacts = impact::impacts(&mut self.meetings, stretch, most - number)?;
-                    if impacts == 0 && after == 0.0 {
+                    idle = if impacts == 0 && left - after == left { idle + 1 } else { 0 };
+                    if (impacts == 0 && after == 0.0) || idle > IDLE {
                         return Err(self.meetings.rests(which, stretch.bodies.q.as_ref()).into());
                     }
                     impacts
@@ -240,64 +243,66 @@ impl<const D: usize> Search<D> {
     fn first_in_one<Y: System<f64, D>, S: Method>(
         &mut self,
         stretch: &mut Stretch<'_, Y, S, D>,
-        length: f64,
+        mut length: f64,
         went: Result<(), Trouble>,
         whole: bool,
     ) -> Result<Option<(Event, f64)>, Trouble> {
-        self.meetings.begin_stretch();
-        let (mut event, mut end, mut suspect, mut failed) = (None, length, None, None);
         match went {
-            Ok(()) => suspect = self.meetings.suspect(stretch, end)?,
+            Ok(()) => self.first_contact(stretch, length),
             Err(trouble) => {
-                let found = if self.over_kinks { edge::edge(stretch, end)? } else { None };
+                let found = if self.over_kinks { edge::edge(stretch, length)? } else { None };
                 if let Some((edge, after)) = found {
-                    if whole && self.is_long(stretch, after) {
-                        let found = self.first_in_parts(stretch, after)?;
-                        return Ok(Some(found.unwrap_or((Event::Edge(edge), after))));
-                    }
-                    (event, end) = (Some(Event::Edge(edge)), after);
-                    suspect = self.meetings.suspect(stretch, end)?;
+                    let before = if whole && self.is_long(stretch, after) {
+                        self.first_in_parts(stretch, after)?
+                    } else {
+                        self.first_contact(stretch, after)?
+                    };
+                    Ok(before.or(Some((Event::Edge(edge), after))))
                 } else {
+                    // What hinders may lie behind a contact.
                     let mut clear = 0.0;
                     for _ in 0..SHORTENED {
-                        let middle = 0.5 * (clear + end);
+                        let middle = 0.5 * (clear + length);
                         if stretch.go(middle).is_err() {
-                            end = middle;
+                            length = middle;
                             continue;
                         }
-                        if whole && self.is_long(stretch, middle) {
-                            if let Some(found) = self.first_in_parts(stretch, middle)? {
-                                return Ok(Some(found));
-                            }
+                        let found = if whole && self.is_long(stretch, middle) {
+                            self.first_in_parts(stretch, middle)?
                         } else {
-                            suspect = self.meetings.suspect(stretch, middle)?;
-                            if suspect.is_some() {
-                                end = middle;
-                                break;
-                            }
+                            self.first_contact(stretch, middle)?
+                        };
+                        if found.is_some() {
+                            return Ok(found);
                         }
                         clear = middle;
                     }
-                    if suspect.is_none() {
-                        return Err(trouble);
-                    }
-                    failed = Some(trouble);
+                    Err(trouble)
                 }
             }
         }
-        while let Some(contact) = suspect {
+    }
+
+    /// The first contact of a stretch of this length, at the end of which bodies are, and when it comes; bodies are
+    /// then there, or, without one, at the end.
+    fn first_contact<Y: System<f64, D>, S: Method>(
+        &mut self,
+        stretch: &mut Stretch<'_, Y, S, D>,
+        mut end: f64,
+    ) -> Result<Option<(Event, f64)>, Trouble> {
+        self.meetings.begin_stretch();
+        let mut first = None;
+        while let Some(contact) = self.meetings.suspect(stretch, end)? {
             if let Some(instant) = self.meetings.instant(stretch, &contact, end)? {
-                (event, end) = (Some(Event::Impacts(contact.which)), instant);
+                (first, end) = (Some((Event::Impacts(contact.which), instant)), instant);
             } else {
                 stretch.go(end)?;
             }
-            suspect = if end > 0.0 { self.meetings.suspect(stretch, end)? } else { None };
+            if end <= 0.0 {
+                break;
+            }
         }
-        match (event, failed) {
-            (Some(event), _) => Ok(Some((event, end))),
-            (None, Some(trouble)) => Err(trouble),
-            (None, None) => Ok(None),
-        }
+        Ok(first)
     }
 }
 

@@ -41,7 +41,7 @@ use crate::systems::surface::step::drift;
 use crate::systems::surface::step::project;
 use crate::systems::surface::step::pull;
 use crate::systems::surface::step::settle;
-use crate::systems::surface::tiles::{entry, may_go_in_tiles, tiles_of};
+use crate::systems::surface::tiles::tiles_of;
 
 impl<T, K, F, N, L, const D: usize> Parts<T, D> for OnSurface<K, F, N, L>
 where
@@ -83,8 +83,7 @@ where
         let (force, of_effects) = (self.count.each(Force::zero()), self.effects.room(self.count.number()));
         let aim = self.count.each(Aim::unknown());
         let (pace, crowd) = (Pace::unknown(), Crowd::of(tiles_of(self.count.number())));
-        let in_tiles = const { may_go_in_tiles::<N, D>() } && entry::<T, L, N, D>(self.count).is_some();
-        let lanes = in_tiles.then(|| Box::new(TileInLanes::new()));
+        let lanes = self.instructions::<T, D>().map(|_| Box::new(TileInLanes::new()));
         let (stages, series) = (None, None);
         let kept = Kept { normal, force, aim, pace, crowd, lanes, of_effects, stages, series };
         let mut bodies = Bodies::new(self.count, kept, places, time);
@@ -286,11 +285,11 @@ where
         witness: &mut W,
     ) -> Result<(), Failure> {
         self.book(kick, bodies);
-        if const { may_go_in_tiles::<N, D>() }
-            && X::KIND == Kind::Newton
-            && let Some(set) = entry::<T, L, N, D>(self.count)
+        if X::KIND == Kind::Newton
+            && let Some(drift) = const { Self::drifts::<T, W, D>() }
+            && let Some(set) = self.instructions::<T, D>()
         {
-            self.drift_in_tiles(set, kick, h, guess, bodies, witness)?;
+            drift(self, set, kick, h, guess, bodies, witness)?;
             self.pass(h, bodies);
             return Ok(());
         }
@@ -321,10 +320,10 @@ where
         witness: &mut W,
     ) -> Result<(), Failure> {
         self.book(kick, bodies);
-        if const { may_go_in_tiles::<N, D>() }
-            && let Some(set) = entry::<T, L, N, D>(self.count)
+        if let Some(settle) = const { Self::settles::<T, W, D>() }
+            && let Some(set) = self.instructions::<T, D>()
         {
-            return self.settle_in_tiles(set, kick, h, bodies, witness);
+            return settle(self, set, kick, h, bodies, witness);
         }
         for body in 0..bodies.q.as_ref().len() {
             let finite = settle(kick, h, bodies, body, witness);

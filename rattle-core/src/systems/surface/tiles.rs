@@ -49,30 +49,58 @@ pub(crate) const CORRECTIONS: usize = 3;
 /// At rest where the last correction is at most so many roundings of the position: Newton's step leaves its square.
 pub(crate) const AT_REST: f64 = 256.0;
 
-/// Whether a scene may have so many bodies. Asked where a constant is wanted, before [`entry`]: loops over tiles are
-/// then not compiled for scenes of one body.
-pub(super) const fn may_go_in_tiles<N: Count, const D: usize>() -> bool {
+/// Whether a scene may have so many bodies. Where it may not, what is done in tiles is not mentioned: it is the value
+/// of a constant. For the compiler goes through all that a function mentions.
+const fn may_go_in_tiles<N: Count, const D: usize>() -> bool {
     N::MANY && D <= MOST_COORDINATES
 }
 
-/// Instructions for so many bodies at a time, if there are any: with fused multiply-add, for doubles.
-#[inline(always)]
-pub(super) fn entry<T: Scalar, L: 'static, N: Count, const D: usize>(number: N) -> Option<Fusing> {
-    if TypeId::of::<L>() != TypeId::of::<OneByOne>()
-        && number.number() >= MANY
-        && T::doubles::<D>(&[]).is_some()
-    {
-        Fusing::widest()
-    } else {
-        None
-    }
-}
+/// [`drift_in_tiles`](OnSurface::drift_in_tiles) of a system.
+pub(super) type Drifts<Y, T, B, W> = fn(&Y, Fusing, f64, f64, &[T], &mut B, &mut W) -> Result<(), Failure>;
+/// [`settle_in_tiles`](OnSurface::settle_in_tiles) of a system.
+pub(super) type Settles<Y, B, W> = fn(&Y, Fusing, f64, f64, &mut B, &mut W) -> Result<(), Failure>;
+/// Evaluates the normals of all bodies.
+type Fuses<Y, B> = fn(&Y, &mut B);
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
+    /// The first half of a step, of scenes that may go in tiles.
+    pub(super) const fn drifts<T: Scalar, W: Witness<T>, const D: usize>()
+    -> Option<Drifts<Self, T, BodiesOf<N, T, F, D>, W>>
+    where
+        K: ConstraintKernel<T, D, 1>,
+        L: ConstraintKernel<Number, D, 1>,
+        F: Forces<T, D>,
+    {
+        if may_go_in_tiles::<N, D>() { Some(Self::drift_in_tiles::<T, W, D>) } else { None }
+    }
+
+    /// The second half of a step, of scenes that may go in tiles.
+    pub(super) const fn settles<T: Scalar, W: Witness<T>, const D: usize>()
+    -> Option<Settles<Self, BodiesOf<N, T, F, D>, W>>
+    where
+        F: Forces<T, D>,
+    {
+        if may_go_in_tiles::<N, D>() { Some(Self::settle_in_tiles::<T, W, D>) } else { None }
+    }
+
+    /// Instructions for so many bodies at a time, if there are any: with fused multiply-add, for doubles.
+    #[inline(always)]
+    pub(super) fn instructions<T: Scalar, const D: usize>(&self) -> Option<Fusing>
+    where
+        L: 'static,
+    {
+        let may = const { may_go_in_tiles::<N, D>() } && TypeId::of::<L>() != TypeId::of::<OneByOne>();
+        if may && self.count.number() >= MANY && T::doubles::<D>(&[]).is_some() {
+            Fusing::widest()
+        } else {
+            None
+        }
+    }
+
     /// The first half of a step of all bodies.
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
-    pub(super) fn drift_in_tiles<T: Scalar, W: Witness<T>, const D: usize>(
+    fn drift_in_tiles<T: Scalar, W: Witness<T>, const D: usize>(
         &self,
         set: Fusing,
         kick: f64,
@@ -133,7 +161,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
 
     /// The second half of a step of all bodies.
     #[inline(always)]
-    pub(super) fn settle_in_tiles<T: Scalar, W: Witness<T>, const D: usize>(
+    fn settle_in_tiles<T: Scalar, W: Witness<T>, const D: usize>(
         &self,
         set: Fusing,
         kick: f64,
@@ -171,13 +199,30 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         L: ConstraintKernel<Number, D, 1>,
         F: Forces<T, D>,
     {
-        let in_tiles = const { may_go_in_tiles::<N, D>() } && entry::<T, L, N, D>(self.count).is_some();
-        if in_tiles {
-            for (normal, q) in bodies.kept.normal.as_mut().iter_mut().zip(bodies.q.as_ref()) {
-                *normal = fused_normal(&self.in_lanes, q);
-            }
+        match const { Self::fuses::<T, D>() } {
+            Some(fuse) if self.instructions::<T, D>().is_some() => fuse(self, bodies),
+            _ => return false,
         }
-        in_tiles
+        true
+    }
+
+    const fn fuses<T: Scalar, const D: usize>() -> Option<Fuses<Self, BodiesOf<N, T, F, D>>>
+    where
+        L: ConstraintKernel<Number, D, 1>,
+        F: Forces<T, D>,
+    {
+        if may_go_in_tiles::<N, D>() { Some(Self::fuse_all::<T, D>) } else { None }
+    }
+
+    #[inline(always)]
+    fn fuse_all<T: Scalar, const D: usize>(&self, bodies: &mut BodiesOf<N, T, F, D>)
+    where
+        L: ConstraintKernel<Number, D, 1>,
+        F: Forces<T, D>,
+    {
+        for (normal, q) in bodies.kept.normal.as_mut().iter_mut().zip(bodies.q.as_ref()) {
+            *normal = fused_normal(&self.in_lanes, q);
+        }
     }
 }
 
