@@ -2,7 +2,7 @@
 
 use crate::flow::Flow;
 use crate::law::GIVEN;
-use crate::mesh::signed_area;
+use crate::mesh::{signed_area, squared};
 use crate::sparse::Sparse;
 use rattle::lanes::Lanes;
 use rattle::real::Real;
@@ -54,7 +54,7 @@ pub(crate) fn block(flow: &Flow, matrix: &Sparse, first: usize) -> Block {
     let count = L.min(triangles.len() - first);
     let of_lane: [usize; L] = from_fn(|lane| (first + lane).min(triangles.len() - 1));
     let given = of_lane.map(|triangle| given(flow, triangle));
-    let corner = |i: usize| of_lane.map(|triangle| triangles[triangle][i]);
+    let corner = |i: usize| of_lane.map(|triangle| triangles[triangle][corners(flow, triangle)[i]]);
     let vertices: [[u32; L]; 3] = from_fn(corner);
     Block {
         vertices,
@@ -64,9 +64,19 @@ pub(crate) fn block(flow: &Flow, matrix: &Sparse, first: usize) -> Block {
     }
 }
 
+/// The corners of a triangle as the law has them: opposite to the longest side, where an angle may be obtuse, is the
+/// last one.
+fn corners(flow: &Flow, triangle: usize) -> [usize; 3] {
+    let place = flow.mesh.corners(triangle);
+    let side = |i: usize| squared(place[(i + 1) % 3], place[(i + 2) % 3]);
+    let last = (0..3).fold(2, |last, i| if side(i) > side(last) { i } else { last });
+    [(last + 1) % 3, (last + 2) % 3, last]
+}
+
 /// What the law is given of a triangle.
 fn given(flow: &Flow, triangle: usize) -> [f64; GIVEN] {
-    let place = flow.mesh.corners(triangle);
+    let corners = corners(flow, triangle);
+    let place = corners.map(|i| flow.mesh.corners(triangle)[i]);
     let area = signed_area(place);
     let side = |i: usize, j: usize| [place[j][0] - place[i][0], place[j][1] - place[i][1]];
     // ∇φᵢ is the opposite side, turned by a quarter, over twice the area.
@@ -80,7 +90,7 @@ fn given(flow: &Flow, triangle: usize) -> [f64; GIVEN] {
         let weight = (a[0] * b[0] + a[1] * b[1]) / (4.0 * area); // ½ cot at k
         side(i, j).map(|x| weight * x)
     });
-    let bed = flow.mesh.triangles()[triangle].map(|vertex| flow.terrain[vertex as usize]);
+    let bed = corners.map(|i| flow.terrain[flow.mesh.triangles()[triangle][i] as usize]);
     let rise = [bed[1] - bed[0], bed[2] - bed[0]];
     let numbers = grad.into_iter().chain(arm).flatten().chain(rise).chain([flow.mobility(triangle)]);
     let mut result = [0.0; GIVEN];
@@ -89,8 +99,8 @@ fn given(flow: &Flow, triangle: usize) -> [f64; GIVEN] {
 }
 
 /// q in a triangle, by what flows along its edges: |T| q = Σ dₑ mₑ (xⱼ − xᵢ), as in law.rs but with the mean mₑ of hᵅ
-/// in place of hᵅ upstream. With one m for all edges that is −c m p. Where hᵅ upstream is less than half the mean, or
-/// nothing flows since the ground ahead is dry and higher, mₑ is twice what is carried.
+/// in place of what is carried. With one m for all edges that is −c m p. Where what is carried is less than half the
+/// mean, mₑ is twice what is carried.
 pub(crate) fn flux_in(
     flow: &Flow,
     triangle: usize,
@@ -98,18 +108,19 @@ pub(crate) fn flux_in(
     depth: &[f64],
     p: [f64; 2],
 ) -> [f64; 2] {
-    let (place, area) = (flow.mesh.corners(triangle), signed_area(flow.mesh.corners(triangle)));
-    let h = flow.mesh.triangles()[triangle].map(|vertex| depth[vertex as usize].max(0.0));
-    let level = [h[0], given[12] + h[1], given[13] + h[2]];
-    let carried = h.map(|h| h.powf(flow.resistance.power()));
-    let mean = carried.iter().sum::<f64>() / 3.0;
+    let (corners, area) = (corners(flow, triangle), signed_area(flow.mesh.corners(triangle)));
+    let place = corners.map(|i| flow.mesh.corners(triangle)[i]);
+    let h = corners.map(|i| depth[flow.mesh.triangles()[triangle][i] as usize].max(0.0));
+    let of_depth = h.map(|h| h.powf(flow.resistance.power()));
+    let mean = of_depth.iter().sum::<f64>() / 3.0;
+    let obtuse = given[0] * given[2] + given[1] * given[3] > 0.0;
     let mut q = [0.0; 2];
     for i in 0..3 {
         let j = (i + 1) % 3;
         let drive = -given[14] * (p[0] * given[6 + 2 * i] + p[1] * given[7 + 2 * i]);
-        let (up, down) = if drive >= 0.0 { (i, j) } else { (j, i) };
-        let closed = h[down] <= 0.0 && level[down] >= level[up];
-        let flows = if closed { 0.0 } else { drive * mean.min(2.0 * carried[up]) };
+        let upstream = of_depth[if drive >= 0.0 { i } else { j }];
+        let carried = if i == 0 && obtuse { of_depth.into_iter().fold(upstream, f64::min) } else { upstream };
+        let flows = drive * mean.min(2.0 * carried);
         q = from_fn(|x| q[x] + flows * (place[j][x] - place[i][x]) / area);
     }
     q

@@ -2,25 +2,36 @@
 //!
 //! ```text
 //! |p| p = ∇(b + h)                     in the triangle; q = −c hᵅ p,  |q| = c hᵅ √|∇(b + h)|
-//! dₑ = −c p · aₑ,  aₑ = ½ cot ϑₑ (xⱼ − xᵢ)           for each edge e from i to j, ϑₑ the angle opposite to it
-//! Fₑ = dₑ max(h_up, 0)ᵅ                up is i where dₑ ≥ 0, else j; 0 to dry ground that is no lower than the water
+//! dₑ = −c p · aₑ,  aₑ = wₑ (xⱼ − xᵢ),  wₑ = ½ cot ϑₑ      for each edge e from i to j, ϑₑ the angle opposite to it
+//! Fₑ = dₑ max(h_up, 0)ᵅ                up is i where dₑ ≥ 0, else j
+//!    = dₑ max(min(h₀, h₁, h₂), 0)ᵅ     opposite to an obtuse angle, where wₑ < 0
 //! Rᵢ = Σ Fₑ from i − Σ Fₑ to i
 //! ```
 //!
-//! Opposite to an obtuse angle the cotangent is negative, and the flux along the edge goes uphill, less than the other
-//! two go downhill. At a shore the other two are 0, since dry ground has nothing to give: a lake would creep ashore.
-//! So nothing flows up to dry ground.
+//! **Energy.** Opposite to an obtuse angle the flux goes uphill, less than the other two go downhill. With the depth
+//! upstream it would go uphill too where these two are 0 since the third corner is dry: lakes would be unstable. With
+//! the least depth of the three no triangle gives energy to the water. Let mₑ be what is carried, mₑ ≥ m where wₑ ≥ 0,
+//! and mₑ = m where wₑ < 0, m of the least depth. With levels L = b + h
+//!
+//! ```text
+//! Σ Lᵢ Rᵢ = Σ Fₑ (Lᵢ − Lⱼ) = c/√|∇L| Σ mₑ wₑ (Lᵢ − Lⱼ)² ≥ c m/√|∇L| Σ wₑ (Lᵢ − Lⱼ)² = c m |T| √|∇L|³ ≥ 0
+//! ```
+//!
+//! E = Σ Mᵢ (bᵢ hᵢ + hᵢ²/2) is convex and has the slope Mᵢ Lᵢ. So in a closed basin without sources a step by implicit
+//! Euler changes it by at most −Δt Σ Lᵢ′ Rᵢ′ ≤ 0, however long the step is.
 //!
 //! Every flux leaves one vertex and enters another, so Σ Rᵢ = 0 for all h and p, and the columns of the derivatives
 //! have the sum zero: each Newton step conserves the volume, converged or not. No water leaves a dry vertex, whatever
-//! the sign of the cotangent. In the derivative √(p² + ε²) replaces |p|, which overestimates it. With an underestimate,
-//! as from an ε in the explicit form √|∇(b + h)|, Newton's method runs in circles.
+//! the sign of the cotangent; up an edge it flows only where none of the three is dry. In the derivative √(p² + ε²)
+//! replaces |p|, which overestimates it. With an underestimate, as from an ε in the explicit form √|∇(b + h)|, Newton's
+//! method runs in circles.
 
 use rattle::real::Real;
 use rattle_macros::residual;
 
 residual! {
-    /// The law of Darcy and Weisbach, k |u| u = −g h ∇(b + h): α = 3/2, c = √(g/k).
+    /// The law of Darcy and Weisbach, k |u| u = −g h ∇(b + h): α = 3/2, c = √(g/k). No angle is larger than
+    /// that at the third corner, whose cotangent is −2 |T| ∇φ₀ · ∇φ₁.
     pub struct DarcyWeisbach {
         /// What rounds |p| off at 0, in the derivative alone.
         epsilon
@@ -39,21 +50,10 @@ residual! {
         let d01 = -c * dot(p, arm[0]);
         let d12 = -c * dot(p, arm[1]);
         let d20 = -c * dot(p, arm[2]);
-        let f01 = d01 * if d01 >= 0 {
-            if h[1] <= 0 && level[1] >= level[0] { 0 } else { a }
-        } else {
-            if h[0] <= 0 && level[0] >= level[1] { 0 } else { b }
-        };
-        let f12 = d12 * if d12 >= 0 {
-            if h[2] <= 0 && level[2] >= level[1] { 0 } else { b }
-        } else {
-            if h[1] <= 0 && level[1] >= level[2] { 0 } else { d }
-        };
-        let f20 = d20 * if d20 >= 0 {
-            if h[0] <= 0 && level[0] >= level[2] { 0 } else { d }
-        } else {
-            if h[2] <= 0 && level[2] >= level[0] { 0 } else { a }
-        };
+        let least = min(a, b, d);
+        let f01 = d01 * if dot(grad[0], grad[1]) > 0 { least } else { if d01 >= 0 { a } else { b } };
+        let f12 = d12 * if d12 >= 0 { b } else { d };
+        let f20 = d20 * if d20 >= 0 { d } else { a };
         let out = [f01 - f20, f12 - f01, f20 - f12];
         [out, norm(p) * p - slope]
         linearise [out, smooth * p - slope]
@@ -61,7 +61,8 @@ residual! {
 }
 
 residual! {
-    /// The law of Gauckler and Manning, u = −h^(2/3) ∇(b + h) / (n √|∇(b + h)|): α = 5/3, c = 1/n.
+    /// The law of Gauckler and Manning, u = −h^(2/3) ∇(b + h) / (n √|∇(b + h)|): α = 5/3, c = 1/n. No angle is
+    /// larger than that at the third corner.
     pub struct Manning {
         /// What rounds |p| off at 0, in the derivative alone.
         epsilon
@@ -80,21 +81,10 @@ residual! {
         let d01 = -c * dot(p, arm[0]);
         let d12 = -c * dot(p, arm[1]);
         let d20 = -c * dot(p, arm[2]);
-        let f01 = d01 * if d01 >= 0 {
-            if h[1] <= 0 && level[1] >= level[0] { 0 } else { a }
-        } else {
-            if h[0] <= 0 && level[0] >= level[1] { 0 } else { b }
-        };
-        let f12 = d12 * if d12 >= 0 {
-            if h[2] <= 0 && level[2] >= level[1] { 0 } else { b }
-        } else {
-            if h[1] <= 0 && level[1] >= level[2] { 0 } else { d }
-        };
-        let f20 = d20 * if d20 >= 0 {
-            if h[0] <= 0 && level[0] >= level[2] { 0 } else { d }
-        } else {
-            if h[2] <= 0 && level[2] >= level[0] { 0 } else { a }
-        };
+        let least = min(a, b, d);
+        let f01 = d01 * if dot(grad[0], grad[1]) > 0 { least } else { if d01 >= 0 { a } else { b } };
+        let f12 = d12 * if d12 >= 0 { b } else { d };
+        let f20 = d20 * if d20 >= 0 { d } else { a };
         let out = [f01 - f20, f12 - f01, f20 - f12];
         [out, norm(p) * p - slope]
         linearise [out, smooth * p - slope]

@@ -1,25 +1,16 @@
 //! Flows that nobody should ask for: a step is right or is refused, depth is never negative, no water is lost, and
 //! nothing panics.
 
+mod random;
+
+use random::Random;
 use rattle_flow::{Conservative, Flow, Mesh, Resistance, Settings};
 
 const DARCY: Resistance = Resistance::DarcyWeisbach { gravity: 9.81 };
 
-/// Numbers as they come, the same in every run.
-struct Random(u64);
-
-impl Random {
-    /// In 0 … 1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-    fn size(&mut self, from: f64, to: f64) -> f64 {
-        10.0_f64.powf(from + (to - from) * self.next())
-    }
-    fn one_of<T: Copy>(&mut self, list: &[T]) -> T {
-        list[(self.next() * list.len() as f64) as usize]
-    }
+/// A power of ten, to a power between these.
+fn size_in(random: &mut Random, [from, to]: [f64; 2]) -> f64 {
+    10.0_f64.powf(from + (to - from) * random.next())
 }
 
 /// A net of n by m squares of two triangles each, moved and stretched: angles down to `flat`.
@@ -60,10 +51,10 @@ struct Lists<'a> {
 /// Draws a flow and makes five steps of it, by LU or by iteration. What must be so whatever is asked for: depth is
 /// finite and not negative, and of all the water that there was and that came this part at most is not accounted for.
 fn drawn(random: &mut Random, lists: &Lists, lost: f64) -> Result<(), String> {
-    let (size, flat) = (random.size(lists.size[0], lists.size[1]), random.one_of(lists.flat));
+    let (size, flat) = (size_in(random, lists.size), random.one_of(lists.flat));
     let mesh = net(random, size, flat);
     let (law, deep) = (random.one_of(&[DARCY, Resistance::Manning]), random.one_of(lists.deep));
-    let (steep, rough) = (random.one_of(lists.steep), random.size(lists.rough[0], lists.rough[1]));
+    let (steep, rough) = (random.one_of(lists.steep), size_in(random, lists.rough));
     let (wet, step, open) =
         (random.next(), random.one_of(lists.step), random.one_of(&[-1.0, 0.0, 0.01, 100.0]));
     let [rain, drink, enters] = [(); 3].map(|()| random.one_of(lists.rates));

@@ -19,19 +19,15 @@ residual! {
         let m = [h[0] * sqrt(h[0]), h[1] * sqrt(h[1]), h[2] * sqrt(h[2])];
         let z = [h[0], h[1] + rise[0], h[2] + rise[1]];
         let d = [-c * dot(p, arm[0]), -c * dot(p, arm[1]), -c * dot(p, arm[2])];
-        // Whether the way from i to j, or back, is open: down, or to water.
-        let down = [
-            if z[0] > z[1] || h[1] > 0 { 1 } else { 0 }, if z[1] > z[2] || h[2] > 0 { 1 } else { 0 },
-            if z[2] > z[0] || h[0] > 0 { 1 } else { 0 },
-        ];
-        let back = [
-            if z[1] > z[0] || h[0] > 0 { 1 } else { 0 }, if z[2] > z[1] || h[1] > 0 { 1 } else { 0 },
-            if z[0] > z[2] || h[2] > 0 { 1 } else { 0 },
-        ];
+        // The third angle alone may be obtuse; the arm opposite to it then points backwards.
+        let blunt = if dot(arm[0], grad[1] - grad[0]) < 0 { 1 } else { 0 };
+        let least = if m[1] < m[0] { if m[2] < m[1] { m[2] } else { m[1] } } else {
+            if m[2] < m[0] { m[2] } else { m[0] }
+        };
         let f = [
-            if d[0] >= 0 { d[0] * m[0] * down[0] } else { d[0] * m[1] * back[0] },
-            if d[1] >= 0 { d[1] * m[1] * down[1] } else { d[1] * m[2] * back[1] },
-            if d[2] >= 0 { d[2] * m[2] * down[2] } else { d[2] * m[0] * back[2] },
+            if blunt > 0 { d[0] * least } else { if d[0] >= 0 { d[0] * m[0] } else { d[0] * m[1] } },
+            if d[1] >= 0 { d[1] * m[1] } else { d[1] * m[2] },
+            if d[2] >= 0 { d[2] * m[2] } else { d[2] * m[0] },
         ];
         [
             f[0] - f[2], f[1] - f[0], f[2] - f[1],
@@ -247,13 +243,14 @@ fn triangle<T: Real>(place: [[f64; 2]; 3], rise: [f64; 2], c: f64) -> [T; 15] {
 
 const ACUTE: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]];
 const TURNED: [[f64; 2]; 3] = [[0.0, 0.0], [2.0, 1.0], [-1.0, 3.0]];
-const OBTUSE: [[f64; 2]; 3] = [[0.0, 0.0], [4.0, 0.0], [-1.0, 1.0]];
+const OBTUSE: [[f64; 2]; 3] = [[4.0, 0.0], [-1.0, 1.0], [0.0, 0.0]];
 
 /// Depth and p, where the roots are fractions: |p| and √(p² + 144).
-const PLACES: [[f64; 5]; 7] = [
+const PLACES: [[f64; 5]; 8] = [
     [4.0, 0.25, 2.25, -3.0, -4.0],
     [4.0, 0.25, 2.25, 3.0, 4.0],
     [0.25, 4.0, 1.0, -4.0, 3.0],
+    [4.0, 2.25, 0.25, 3.0, -4.0],
     [0.0, 1.0, 0.0, 3.0, -4.0],
     [0.0, 0.0, 0.0, 5.0, 0.0],
     [1.0, 4.0, 0.0625, 0.0, 0.0],
