@@ -105,17 +105,18 @@ impl<M: Method> Simulation<M> {
     /// error = (Σ M |e| + S) / W
     /// ```
     ///
-    /// S bounds by how much the volume of rain and inflow is off if they jump in the step. W is the most water that
+    /// S says by how much the volume of rain and inflow may be off where they jump in the step: a bound for one jump,
+    /// an estimate for several (a staircase looks like a straight line). W is the most water that
     /// there was so far in one step, with what came in it, and not less than what comes in a step of the first length.
     ///
     /// A step with an error above the tolerance is repeated with a shorter step size. The first step has the length
     /// given at the start, with S as its error, and no step is longer than `longest`. Errors of steps add up: the final
     /// error is about the number of steps times the tolerance. Returns the number of rejected steps.
     ///
-    /// Rain and inflow are looked at at five instants of a step: near its ends, and at 11 %, 50 % and 89 % of it.
-    /// **What begins and ends between two of them is missed**, in the budget too; on dry ground, where nothing else
-    /// changes, steps get as long as allowed. Name such times by [`Flow::meet`], which makes jumps exact, or let
-    /// `longest` be twice as long as the shortest shower, at most.
+    /// Rain and inflow are looked at at five instants of a step: beside its ends, within 10⁻⁹ of it, and at 11 %, 50 %
+    /// and 89 % of it. **What begins and ends between two of them is missed**, in the budget too; on dry ground, where
+    /// nothing else changes, steps get as long as allowed. Name such times by [`Flow::meet`], which makes jumps exact,
+    /// or let `longest` be twice as long as the shortest shower, at most.
     ///
     /// ```
     /// use rattle_flow::dam_break;

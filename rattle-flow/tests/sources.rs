@@ -81,6 +81,39 @@ fn rain_that_begins_later_on_dry_ground_comes() {
     );
 }
 
+/// Jumps in the first or the last thousandth of a step, up to a millionth, are in it.
+#[test]
+fn a_jump_near_an_end_of_a_step_is_seen() {
+    for off in [0.0009, 0.0005, 1e-5, 3e-6] {
+        for (from, to) in [(0.0, 1.0 - off), (off, 9.0), (0.0, 1.0 + off), (1.0 - off, 9.0)] {
+            let mut simulation = hillside(|flow| flow.rain(shower(from, to)), 1.0, 1000);
+            simulation.run_until(2.0, 1e-6, 1.0).unwrap();
+            // One step goes over it, with an error of the tolerance, of the water of two steps.
+            check(&simulation, (to.min(2.0) - from) * RATE * AREA, 1e-6 * 2.0 * RATE * AREA);
+        }
+    }
+}
+
+/// At a time of 10¹², where the clock goes on by 10⁻⁴, what jumps at an end of a step still jumps there.
+#[test]
+fn a_jump_at_an_end_of_a_step_is_not_in_it_at_any_time() {
+    for start in [1e3, 1e6, 1e9, 1e12] {
+        for within in
+            [|t: f64, from: f64, to: f64| (from..to).contains(&t), |t, from, to| from < t && t <= to]
+        {
+            let rain = move |_: [f64; 2], t: f64| if within(t, start, start + 1.0) { RATE } else { 0.0 };
+            let mut simulation = hillside(|flow| flow.rain(rain), 1.0, 1000);
+            let mut thrown = 0;
+            for end in [start, start + 1.0, start + 2.0] {
+                thrown +=
+                    simulation.run_until(end, 1e-3, if end > start { 1.0 } else { f64::INFINITY }).unwrap();
+            }
+            assert_eq!((thrown, simulation.time()), (0, start + 2.0), "{start:e}");
+            check(&simulation, RATE * AREA, 1e-13 * RATE * AREA);
+        }
+    }
+}
+
 /// Ten minutes of rain after an hour without: steps are as long as they like.
 #[test]
 fn a_storm_after_an_hour_is_seen() {
@@ -128,6 +161,7 @@ fn ground_that_falls_dry_does_not_stop_the_run() {
     let with = |flow: Flow| flow.rain(shower(0.0, 1800.0)).infiltration(|_| 0.2 * RATE);
     let mut simulation = hillside(with, 1.0, 1000);
     let thrown = simulation.run_until(7200.0, 1e-3, 600.0).unwrap();
+    println!("{} steps, and {thrown} thrown away", simulation.steps());
     assert!(thrown < 50 && simulation.steps() < 400, "{thrown} of {}", simulation.steps());
     assert!(simulation.volume() < 1e-6, "{}", simulation.volume());
     check(&simulation, 1800.0 * RATE * AREA, 2e-3 * 1800.0 * RATE * AREA);
