@@ -14,6 +14,10 @@
 //! until |F_I| < 10⁻⁸ of what it was, J being that of √(q² + ε²) in the place of |q|
 //! ```
 //!
+//! In still water there is nothing but rounding from the start: the iteration ends, too, where each Fᵢ is at the
+//! rounding of its terms. The numbers 10⁻⁸ and ε = 10⁻³ are lengths and fluxes of the notebook's: where all of q is far
+//! below ε the iteration may not end.
+//!
 //! Shapero, "Overland flow" (notebook); Arnold, Brezzi, Fortin 1984 for the element.
 
 use crate::budget::Budget;
@@ -71,15 +75,20 @@ pub struct Notebook {
     /// By element: what recovers the bubble, −J⁻¹ r and −J⁻¹ Jₖ.
     recovery: Vec<([f64; 2], [[f64; LOCAL]; 2])>,
     residual: Vec<f64>,
-    /// The same before bubbles are eliminated.
+    /// The same before bubbles are eliminated, and the sum of the sizes of its terms.
     plain: Vec<f64>,
+    terms: Vec<f64>,
     of_bubbles: f64,
+    /// Whether the bubbles' equations are at the rounding of their terms.
+    bubbles_rest: bool,
     epsilon: f64,
 }
 
 /// The element's equations, depth first, then q by vertex, then the bubble.
 struct Element {
     residual: [f64; LOCAL + 2],
+    /// The sizes of its terms, added up.
+    terms: [f64; LOCAL + 2],
     jacobian: [[f64; LOCAL + 2]; LOCAL + 2],
 }
 
@@ -119,7 +128,9 @@ impl Notebook {
             recovery: vec![([0.0; 2], [[0.0; LOCAL]; 2]); triangles],
             residual: vec![0.0; 3 * n],
             plain: vec![0.0; 3 * n],
+            terms: vec![0.0; 3 * n],
             of_bubbles: 0.0,
+            bubbles_rest: true,
             epsilon: 1e-3,
         }
     }
@@ -144,8 +155,12 @@ impl Notebook {
         let given = [wide(&|t| flow.friction[t]), Wide::from_f64(flow.gravity())];
         let zero = Wide::from_f64(0.0);
         let mut residual = [[zero; 2]; 4];
-        let mut slopes =
-            Derivatives { by_q: [[[zero; 3]; 4]; 4], by_h: [[[zero; 2]; 3]; 4], weight: [zero; 4] };
+        let mut slopes = Derivatives {
+            by_q: [[[zero; 3]; 4]; 4],
+            by_h: [[[zero; 2]; 3]; 4],
+            weight: [zero; 4],
+            sizes: [[zero; 2]; 4],
+        };
         for point in &self.points {
             let hats = point.hats.map(Wide::from_f64);
             let tests = [hats[0], hats[1], hats[2], Wide::from_f64(point.bubble)];
@@ -157,6 +172,7 @@ impl Notebook {
                 let test = tests[a] * Wide::from_f64(point.weight);
                 for x in 0..2 {
                     residual[a][x] = residual[a][x] + test * value[x];
+                    slopes.sizes[a][x] = slopes.sizes[a][x] + test * value[x].abs();
                 }
                 slopes.weight[a] = slopes.weight[a] + test * by[0][1];
                 for j in 0..3 {
@@ -187,27 +203,37 @@ impl Notebook {
         let corners = flow.mesh().triangles()[triangle].map(|vertex| vertex as usize);
         let mut residual = [0.0; LOCAL + 2];
         let mut jacobian = [[0.0; LOCAL + 2]; LOCAL + 2];
+        let mut terms = [0.0; LOCAL + 2];
         let place = |a: usize, x: usize| 3 + 2 * a + x;
         for i in 0..3 {
             for j in 0..3 {
                 let mass = area / if i == j { 6.0 } else { 12.0 };
                 residual[i] += mass * (depths[1][corners[j]] - depths[0][corners[j]]) / step;
+                terms[i] += mass * (depths[1][corners[j]] + depths[0][corners[j]]) / step;
                 jacobian[i][j] = mass / step;
                 for x in 0..2 {
+                    let flows = area / 3.0 * grad[j][x] * self.q[corners[j]][x];
                     jacobian[i][place(j, x)] = area / 3.0 * grad[j][x];
-                    residual[i] += area / 3.0 * grad[j][x] * self.q[corners[j]][x];
+                    residual[i] += flows;
+                    terms[i] += flows.abs();
                 }
             }
             for x in 0..2 {
                 let bubble = -BUBBLE * area * grad[i][x]; // ∫ ∇β φᵢ = −∫ β ∇φᵢ
                 jacobian[i][place(3, x)] = bubble;
                 residual[i] += bubble * self.bubbles[triangle][x];
+                terms[i] += (bubble * self.bubbles[triangle][x]).abs();
             }
         }
         let (values, slopes) = wide;
+        // Levels are sums, and their slope is one of differences; friction is at most the weight and the sum of both.
+        let level = |j: usize| flow.bed()[corners[j]].abs() + depths[1][corners[j]];
+        let steep: [f64; 2] = from_fn(|x| (0..3).map(|j| grad[j][x].abs() * level(j)).sum());
         for a in 0..4 {
             for x in 0..2 {
                 residual[place(a, x)] = area * values[a][x].0[lane];
+                terms[place(a, x)] =
+                    area * (slopes.sizes[a][x].0[lane] + 2.0 * slopes.weight[a].0[lane] * steep[x]);
                 for j in 0..3 {
                     jacobian[place(a, x)][j] =
                         area * (slopes.by_h[a][j][x].0[lane] + slopes.weight[a].0[lane] * grad[j][x]);
@@ -220,13 +246,15 @@ impl Notebook {
                 }
             }
         }
-        Element { residual, jacobian }
+        Element { residual, terms, jacobian }
     }
 
     /// All equations and their derivatives, without the bubbles.
     fn assemble(&mut self, flow: &Flow, depth: &[f64], guess: &[f64], step: f64, rain: &[f64]) {
         self.residual.fill(0.0);
         self.plain.fill(0.0);
+        self.terms.fill(0.0);
+        self.bubbles_rest = true;
         self.matrix.values.fill(0.0);
         self.of_bubbles = 0.0;
         let triangles = flow.mesh().triangles();
@@ -234,7 +262,7 @@ impl Notebook {
             let wide = self.momentum(flow, guess, from_fn(|lane| (first + lane).min(triangles.len() - 1)));
             for lane in 0..L.min(triangles.len() - first) {
                 let triangle = first + lane;
-                let Element { residual, jacobian } =
+                let Element { residual, terms, jacobian } =
                     self.element(flow, triangle, [depth, guess], step, &wide, lane);
                 let [[a, b], [c, d]] = [9, 10].map(|i| [jacobian[i][9], jacobian[i][10]]);
                 let determinant = a * d - b * c;
@@ -244,9 +272,11 @@ impl Notebook {
                 let columns: [[f64; 2]; LOCAL] = from_fn(|j| solved([jacobian[9][j], jacobian[10][j]]));
                 self.recovery[triangle] = (own, from_fn(|x| columns.map(|column| column[x])));
                 self.of_bubbles += residual[9].powi(2) + residual[10].powi(2);
+                self.bubbles_rest &= (9..11).all(|i| residual[i].abs() <= ROUNDED * terms[i]);
                 let rows = numbers(&triangles[triangle]);
                 for i in 0..LOCAL {
                     let row = rows[i] as usize;
+                    self.terms[row] += terms[i];
                     self.plain[row] += residual[i];
                     self.residual[row] += residual[i] + jacobian[i][9] * own[0] + jacobian[i][10] * own[1];
                     for j in 0..LOCAL {
@@ -260,6 +290,7 @@ impl Notebook {
         for (i, rain) in rain.iter().enumerate() {
             self.residual[3 * i] -= rain;
             self.plain[3 * i] -= rain;
+            self.terms[3 * i] += rain;
         }
     }
 
@@ -285,7 +316,9 @@ impl Notebook {
             let squares = self.plain.iter().zip(&idle).filter(|(_, idle)| !**idle).map(|(r, _)| r * r);
             let size = (squares.sum::<f64>() + self.of_bubbles).sqrt();
             let start = *first.get_or_insert(size);
-            if iteration > 0 && size < 1e-8 * start || size < 1e-50 {
+            let rests = |row: usize| idle[row] || self.plain[row].abs() <= ROUNDED * self.terms[row];
+            let rounded = || self.bubbles_rest && (0..idle.len()).all(rests);
+            if iteration > 0 && (size < 1e-8 * start || rounded()) || size < 1e-50 {
                 return Ok(iteration);
             }
             change.iter_mut().zip(&self.residual).for_each(|(change, r)| *change = -r);
@@ -324,6 +357,8 @@ impl Notebook {
 const MOST: usize = 50;
 /// Depth up to here counts as none, as PETSc has it.
 const HELD: f64 = 1e-8;
+/// Each term is a product of some eight rounded factors, and rounding of sums is of random sign.
+const ROUNDED: f64 = 8.0 * f64::EPSILON;
 /// ∫ 27 φ₀φ₁φ₂ over the area: 27 · 2!/5!.
 const BUBBLE: f64 = 0.45;
 
@@ -334,6 +369,8 @@ struct Derivatives {
     by_h: [[[Wide; 2]; 3]; 4],
     /// ∫ g h³ v.
     weight: [Wide; 4],
+    /// Of momentum, ∫ |k |q| q + g h³ ∇(b + h)| v.
+    sizes: [[Wide; 2]; 4],
 }
 
 type Wides = ([[Wide; 2]; 4], Derivatives);
