@@ -104,11 +104,20 @@ impl Page {
     /// The page as text. It holds depths rounded to 1/65535 of the largest one.
     ///
     /// # Errors
-    /// [`FlowError::Number`] for an exaggeration that is not finite, and a number of seconds that is not above 0.
+    /// [`FlowError::Number`] for an exaggeration that is not finite, a number of seconds that is not above 0, and a
+    /// page to which nothing was added.
     pub fn to_html(&self) -> Result<String, FlowError> {
         number("the vertical exaggeration on a page", self.lift, true, "a finite number")?;
         number("the seconds that a page plays", self.seconds, self.seconds > 0.0, "a finite number above 0")?;
-        let deepest = self.depths.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let frames = self.times.len();
+        number(
+            "the number of times on a page",
+            frames as f64,
+            frames > 0,
+            "one at least: `Page::add` adds it",
+        )?;
+        let deepest = self.depths.iter().copied().fold(0.0, f64::max);
+        let deepest = if deepest > 0.0 { deepest } else { 1.0 }; // of dry ground any unit does
         let shares = self.depths.iter().map(|h| (h.max(0.0) / deepest * 65535.0).round() as u16);
         let depths = encoded(shares.flat_map(u16::to_le_bytes));
         let points = encoded(self.points.iter().flatten().flat_map(|x| x.to_le_bytes()));

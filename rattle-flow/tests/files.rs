@@ -453,7 +453,8 @@ fn a_header_says_everything_once() {
 #[test]
 fn a_page_says_what_it_is_told() {
     let flow = Flow::over(Mesh::from_gmsh(SQUARE).unwrap(), Resistance::Manning);
-    let page = Page::new("__CAPTION__ & __DATA__", &flow).caption("of __DATA__, __TITLE__");
+    let mut page = Page::new("__CAPTION__ & __DATA__", &flow).caption("of __DATA__, __TITLE__");
+    page.add(0.0, &vec![0.0; flow.mesh().points().len()]).unwrap();
     let html = page.to_html().unwrap();
     assert!(html.contains("<title>__CAPTION__ &amp; __DATA__</title>"));
     assert!(html.contains("<h1>__CAPTION__ &amp; __DATA__</h1><p>of __DATA__, __TITLE__</p>"));

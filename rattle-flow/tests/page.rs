@@ -5,7 +5,7 @@
 mod browser;
 
 use browser::Browser;
-use rattle_flow::{Page, dam_break};
+use rattle_flow::{FlowError, Page, dam_break};
 use std::io::Cursor;
 
 /// Width, and red, green and blue from the top left.
@@ -104,4 +104,69 @@ fn a_browser_plays_the_dam_break() {
     assert_eq!(page.evaluate(fits), true);
     assert!(page.evaluate("slider.getBoundingClientRect().width").as_f64().unwrap() > 100.0);
     assert!(page.complaints.is_empty(), "{:?}", page.complaints);
+}
+
+/// A number of the page's data.
+fn number(html: &str, name: &str) -> f64 {
+    let (_, rest) = html.split_once(&format!("\"{name}\":")).unwrap();
+    rest[..rest.find(',').unwrap()].parse().unwrap()
+}
+
+/// Ground without water is shown without: as numbers of 32 bits, too, no depth is above the film that is left out.
+#[test]
+fn dry_ground_is_shown_dry() {
+    let flow = dam_break::flow(dam_break::mesh(0.5).unwrap());
+    let depth = dam_break::depth(flow.mesh());
+    let page = |scale: f64| {
+        let mut page = Page::new("Drought", &flow);
+        let depth: Vec<f64> = depth.iter().map(|h| scale * h).collect();
+        for time in [0.0, 1.0] {
+            page.add(time, &depth).unwrap();
+        }
+        page
+    };
+    let html = page(0.0).to_html().unwrap();
+    assert_eq!((number(&html, "deepest"), number(&html, "film")), (1.0, 0.002));
+    assert!(html.contains("if (h <= film) discard;"));
+    let html = page(1e-9).to_html().unwrap();
+    assert!((number(&html, "deepest") * 1e9 - 1.0).abs() < 0.1, "{}", number(&html, "deepest"));
+
+    let Some(chromium) = browser::find() else { return };
+    let (folder, mut all) = (tempfile::tempdir().unwrap(), None);
+    for (scale, wet) in [(0.0, false), (1.0, true), (f64::MIN_POSITIVE, false)] {
+        let file = folder.path().join("dry.html");
+        page(scale).write(&file).unwrap();
+        let mut shown = Browser::start(&chromium, &[]);
+        shown.resize(640, 480, false);
+        shown.open(&file);
+        shown.wait("frame > 0 && playing");
+        // The least film, which is hardly blue, changes the colour of the ground.
+        let (_, pixels) = pixels(&mut shown);
+        let bare = pixels.iter().filter(|[red, _, blue]| {
+            let (red, blue) = (i32::from(*red), i32::from(*blue));
+            (4 * blue - 3 * red).abs() < 16 && (60..235).contains(&red)
+        });
+        let bare = bare.count();
+        let all = *all.get_or_insert(bare);
+        assert!(
+            all > 5000 && if wet { bare < all - 1000 } else { bare == all },
+            "{bare} of {all} with {scale:e}"
+        );
+        assert!(shown.complaints.is_empty(), "{:?}", shown.complaints);
+    }
+}
+
+/// Without a time there is nothing to play: the page is not written.
+#[test]
+fn a_page_without_a_time_is_refused() {
+    let flow = dam_break::flow(dam_break::mesh(0.5).unwrap());
+    let mut page = Page::new("Nothing", &flow);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("nothing.html");
+    let error = page.to_html().unwrap_err();
+    assert!(matches!(error, FlowError::Number { what: "the number of times on a page", .. }), "{error}");
+    assert_eq!(page.write(&file).unwrap_err().kind(), std::io::ErrorKind::InvalidInput);
+    assert!(!file.exists());
+    page.add(0.0, &dam_break::depth(flow.mesh())).unwrap();
+    page.write(&file).unwrap();
 }
