@@ -6,8 +6,8 @@ use rattle::network::LinearAlgebra;
 use rattle::potentials::Gravity;
 use rattle::prelude::*;
 
-/// A double pendulum that swings across the axis along which it hangs far out: no coordinate along the axis is in a
-/// difference that is not zero, and so none is rounded into lengths. (`few.rs` took a pin's largest coordinate for what
+/// Pendulums, single and double, far out along x, that swing in a plane across x: differences along x are exactly 0,
+/// and so nothing of x is rounded into lengths. (`few.rs` took a pin's largest coordinate for what
 /// g is rounded to: 3e-8 off at 1e9.)
 #[test]
 fn rods_far_along_an_axis_keep_their_lengths() {

@@ -17,7 +17,11 @@ fn trails_go_round_space() {
     let stands = |x: f64| vec![[x, 0.0, 0.2]; times.len()];
     let scene =
         Scene3::new("round").bodies(&times, &[round, stands(-1.0), stands(2.0)]).periods([1.0, 0.0, 0.0]);
-    Page::new("Round").scene(scene.trail(9)).write(&file).unwrap();
+    // A ball that is as far from one image of its next place as from another goes one way, and its trail with it.
+    let halves: Vec<_> = times.iter().map(|t| [0.5 * (t % 2.0), 0.0, 0.0]).collect();
+    let half =
+        Scene3::new("half").bodies(&times, &[halves, stands(-1.0), stands(2.0)]).periods([1.0, 0.0, 0.0]);
+    Page::new("Round").scene(scene.trail(9)).scene(half.trail(2)).write(&file).unwrap();
     let mut page = Browser::start(&chromium, &[]);
     page.resize(1120, 720, false);
     page.open(&file);
@@ -41,6 +45,22 @@ fn trails_go_round_space() {
         // Samples at 0.1 each; the last fade out.
         assert!(ends[1] < head + 0.06 && ends[0] > head - 0.95 && ends[0] < head - 0.6, "{frame}: {seen:?}");
         assert!(seen.len() as f64 > (ends[1] - ends[0]) / 0.05 - 1.0, "{frame}: {seen:?} has gaps");
+    }
+    for frame in [10, 11] {
+        let mut x = |frame: f64| {
+            page.evaluate(&format!("rattle.show(1); rattle.pause(); rattle.seek({frame}); rattle.draw()"));
+            page.evaluate("rattle.place(0)[0]").as_f64().unwrap()
+        };
+        let rightwards = x(f64::from(frame) - 0.5) > x(f64::from(frame) - 1.0);
+        x(f64::from(frame));
+        keep(&mut page, &format!("half-{frame}"));
+        let mut drawn = |off: f64| {
+            let at = format!(
+                "((own, low, high) => [own[0] + {off} / 3 * (high[0] - low[0]), own[1]])(...[0, 1, 2].map(rattle.place))"
+            );
+            pixel(&mut page, &at)[3] > 40
+        };
+        assert_eq!([drawn(-0.25), drawn(0.25)], [rightwards, !rightwards], "{frame}");
     }
     assert_eq!(page.complaints, Vec::<String>::new());
 }

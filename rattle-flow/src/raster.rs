@@ -150,10 +150,10 @@ impl Raster {
     ///
     /// **Valleys need several cells.** Nothing flows along the diagonal of a square, opposite to right angles: a valley
     /// that is one cell wide and goes diagonally is a row of ponds. Along one that goes straight the friction of the
-    /// water has the slope of the dry banks beside it. Between banks of 0.6, with cells of 1, a depth of 0.3 and a
-    /// slope of 0.02, valleys of 1, 2, 3, 5 and 9 cells carry 26, 63, 75, 85 and 92 % of what they should, and diagonal
-    /// ones 0, 31, 42, 80 and 89 %. Take a finer raster, or [a mesh](Mesh::read_gmsh) with several vertices across a
-    /// channel.
+    /// water beside dry banks has the slope from its surface up to them. Between banks of 0.6, with cells of 1, a depth
+    /// of 0.3 and a slope of 0.02, valleys of 1, 2, 3, 5 and 9 cells carry 26, 63, 75, 85 and 92 % of what they should,
+    /// and diagonal ones 0, 31, 42, 80 and 89 %. Take a finer raster, or [a mesh](Mesh::read_gmsh) with several
+    /// vertices across a channel.
     ///
     /// # Errors
     /// [`ReadError::Mesh`] where there are nowhere four adjacent cells with data.

@@ -113,10 +113,10 @@ impl<M: Method> Simulation<M> {
     /// given at the start, with S as its error, and no step is longer than `longest`. Errors of steps add up: the final
     /// error is about the number of steps times the tolerance. Returns the number of rejected steps.
     ///
-    /// Rain and inflow are looked at at five instants of a step: beside its ends, within 10⁻⁹ of it, and at 11 %, 50 %
-    /// and 89 % of it. **What begins and ends between two of them is missed**, in the budget too; on dry ground, where
-    /// nothing else changes, steps get as long as allowed. Name such times by [`Flow::meet`], which makes jumps exact,
-    /// or let `longest` be twice as long as the shortest shower, at most.
+    /// Rain and inflow are looked at at five instants of a step: beside its ends, within 10⁻⁹ of it or 8 roundings of
+    /// the time, and at 11 %, 50 % and 89 % of it. **What begins and ends between two of them is missed**, in the
+    /// budget too; on dry ground, where nothing else changes, steps get as long as allowed. Name such times by
+    /// [`Flow::meet`], which makes jumps exact, or let `longest` be twice as long as the shortest shower, at most.
     ///
     /// ```
     /// use rattle_flow::dam_break;

@@ -48,7 +48,7 @@ fn carried(cells: usize, diagonal: bool) -> f64 {
     passed / STEP / (of_depth * SLOPE.sqrt() * width)
 }
 
-/// Straight: the edges along the water's sides feel the slope of the banks, a root of 15 in one of two triangles.
+/// Straight: the edges along the water's sides feel the slope up to the banks, a root of 15 in one of two triangles.
 /// Diagonal: nothing flows along the diagonal of a square, opposite to right angles.
 #[test]
 fn valleys_of_a_few_cells_carry_too_little() {

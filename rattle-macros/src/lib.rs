@@ -47,7 +47,7 @@ use rattle_symbolic::{Macro, expand};
 ///
 /// Indices are constants or loop indices. A comparison of indices and numbers alone is decided at compile time, in
 /// exact fractions, also inside a longer condition: in `if i > 0 && x[i - 1] > 0 { … }` nothing is read at i = 0. A sum
-/// over an empty range is 0, also where its terms are arrays, and a product 1. An unused variable is written `_z`.
+/// over an empty range is 0, to which an array can be added, and a product 1. An unused variable is written `_z`.
 ///
 /// # What is computed
 ///

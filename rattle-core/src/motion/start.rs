@@ -9,9 +9,9 @@ use crate::error::StartFailure;
 /// momentum    sin α ≤ START_TOLERANCE             α: the angle between the momentum and the tangent plane
 /// ```
 ///
-/// In phase space g may be that part of its terms Σ|∂g/∂zᵢ||zᵢ|, over coordinates and momenta zᵢ, and {g, H} of its
-/// slopes times the largest coordinate and momentum that it depends on; or, if that is more, 1000 roundings of all that
-/// are as large as the largest.
+/// In phase space g may be that part of Σ|∂g/∂zᵢ||zᵢ|, over coordinates and momenta zᵢ; and {g, H} that part of its own
+/// slopes times the largest coordinate and momentum on which it depends. Rounding is allowed in any case: 1000 ε of the
+/// largest coordinate and momentum.
 ///
 /// This is far above rounding (1e-16) and far below the error of any method. A start beyond the tolerance is refused;
 /// [`Scene::project`](crate::scene::Scene::project) moves a state onto its constraints.

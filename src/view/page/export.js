@@ -44,8 +44,8 @@ function crc32(bytes) {
   return (rest ^ 0xffffffff) >>> 0;
 }
 
-/** What a ZIP archive has room for: as many files, and bytes of them; the rest of 4 GiB is for its directory. */
-const MOST_FILES = 65535;
+/** What a ZIP archive has room for: files (one more is a sign for larger archives), and bytes of them; the rest of 4 GiB is for its directory. */
+const MOST_FILES = 65534;
 const MOST_BYTES = 4e9;
 
 /** A ZIP archive of files that are stored as they are: PNG is packed already. */

@@ -232,7 +232,8 @@ class Motion {
         const way = this.positions[3 * i + axis] - this.positions[3 * (i - 1) + axis];
         const digit = 256 ** axis;
         const before = Math.floor(rounds[i - 1] / digit) % 256;
-        rounds[i] += digit * ((before + 256 - (period > 0 ? Math.round(way / period) % 256 : 0)) % 256);
+        const turns = period > 0 ? Math.floor(0.5 - way / period) : 0; // as the shader's `nearest`
+        rounds[i] += digit * ((((before + turns) % 256) + 256) % 256);
       });
     }
     return rounds;

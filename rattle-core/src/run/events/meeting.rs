@@ -11,7 +11,8 @@
 //! τ = ε Σ |∂gap/∂qᵢ| (|qᵢ| + way)                                                   the rounding of the gap
 //! ```
 //!
-//! A gap may be rounded to less than τ tells, where it is a small difference of large terms: x² + y² + (z + r)² − r².
+//! A gap may be rounded more coarsely than τ tells, where it is a small difference of large terms, as x² + y² + (z +
+//! r)² − r² is.
 //! Then there may be no instant with 0 ≤ gap ≤ 2τ. Where no instant is left between a positive gap and a negative one,
 //! both are the noise of this gap, and it is closed within that for the rest of the step.
 //!
@@ -24,9 +25,10 @@ use crate::motion::bodies::Bodies;
 use crate::motion::failure::Failure;
 use crate::motion::method::Method;
 use crate::motion::system::System;
-use crate::number::vector::{add_scaled, dot};
+use crate::number::vector::{add_scaled, dot, largest};
 use crate::run::events::stretch::Stretch;
 use crate::run::trouble::Trouble;
+use crate::solve::aim::{noise_of_terms, rounding_of_g};
 use std::sync::Arc;
 
 /// Contacts with gaps of less than so many roundings are closed; gaps are landed on to two.
@@ -94,8 +96,8 @@ pub(in crate::run) struct Meetings<const D: usize> {
     pub(super) near: Vec<WhichContact>,
     /// Those that do not, though they look like it.
     cleared: Vec<WhichContact>,
-    /// Of gaps in this step that are rounded to less than their gradients tell.
-    noises: Vec<(WhichContact, f64)>,
+    /// Of gaps in this step that are rounded more coarsely than their gradients tell.
+    pub(super) noises: Vec<(WhichContact, f64)>,
     found: Vec<usize>,
     pub(super) gradient: Gradient<D>,
     /// The farthest that a body goes in the step.
@@ -184,12 +186,35 @@ impl<const D: usize> Meetings<D> {
     ) -> Option<(&'static str, Vec<usize>, f64)> {
         for i in 0..self.near.len() {
             let look = self.look(self.near[i], 1.0, system, bodies);
-            let apart = look.gap >= -TOUCHING * look.rounding;
-            if !apart {
+            let apart = look.gap >= -look.touching;
+            if !apart && look.gap.abs() > self.noise_of_terms(self.near[i], bodies.q.as_ref()) {
                 return Some((self.kinds[self.near[i].kind].name(), self.touched(), look.gap));
             }
         }
         None
+    }
+
+    /// The noise of the gap that was looked at last, as far as it does not follow its bodies along the gradient; as it
+    /// is left in `gradient` again.
+    #[cold]
+    fn noise_of_terms(&mut self, which: WhichContact, q: &[[f64; D]]) -> f64 {
+        let (normal, mut moved) = (self.gradient.clone(), q.to_vec());
+        let length = normal.iter().map(|(_, n)| dot(n, n)).sum::<f64>().sqrt();
+        let size = normal.iter().map(|(body, _)| largest(&q[*body])).fold(0.0, f64::max);
+        let contacts = self.kinds[which.kind].clone();
+        let mut gap = |shift: f64| {
+            for (body, n) in &normal {
+                moved[*body] = add_scaled(&q[*body], shift / length, n);
+            }
+            self.gradient.clear();
+            contacts.gap(which.number, &moved, &mut self.gradient)
+        };
+        let here = gap(0.0);
+        let bent = |shift: f64| ((gap(shift) - here) / length - shift).abs();
+        let mut bent = bent;
+        let noise = noise_of_terms::<f64>(size, |size| rounding_of_g(size, f64::INFINITY, &mut bent));
+        self.gradient = normal;
+        noise * length
     }
 
     /// The bodies of the contact that was looked at last.

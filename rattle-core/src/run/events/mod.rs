@@ -35,8 +35,9 @@ pub(in crate::run) use stretch::Stretch;
 
 /// Impacts in a step, for each body.
 const MOST: u64 = 1000;
-/// Contacts in a row that are no impacts and take no time, after which bodies rest.
-const IDLE: u32 = 8;
+/// So many contacts in a row that are no impacts, each within this part of a step after the last, and bodies rest.
+const IDLE: u32 = 64;
+const SOON: f64 = 1e-9;
 /// How often a stretch that cannot be gone is halved, in search of a contact before what hinders it; and one that is
 /// gone, until its parts tell where bodies are in between.
 const SHORTENED: u32 = 10;
@@ -120,7 +121,7 @@ impl<const D: usize> Search<D> {
             number += match event {
                 Event::Impacts(which) => {
                     let impacts = impact::impacts(&mut self.meetings, stretch, most - number)?;
-                    idle = if impacts == 0 && left - after == left { idle + 1 } else { 0 };
+                    idle = if impacts == 0 && after <= SOON * whole { idle + 1 } else { 0 };
                     if (impacts == 0 && after == 0.0) || idle > IDLE {
                         return Err(self.meetings.rests(which, stretch.bodies.q.as_ref()).into());
                     }
@@ -129,6 +130,7 @@ impl<const D: usize> Search<D> {
                 Event::Edge(edge) if number == most => return Err(edge.failure.into()),
                 Event::Edge(edge) => {
                     left -= edge::cross(stretch, edge, &mut self.normals)?;
+                    idle = 0;
                     1
                 }
             };
@@ -182,6 +184,7 @@ impl<const D: usize> Search<D> {
         length: f64,
     ) -> Result<Option<(Event, f64)>, Trouble> {
         let (noise, noise_at_end, gone_in) = (stretch.noise, stretch.bodies.noise, stretch.parts);
+        let known = self.meetings.noises.len();
         let [.., start, end] = &mut *stretch.aside;
         stretch.system.put_aside(stretch.start, start);
         stretch.system.put_aside(stretch.bodies, end);
@@ -209,6 +212,7 @@ impl<const D: usize> Search<D> {
                 return Ok(Some((event, f64::from(number) * part + after)));
             }
         }
+        self.meetings.noises.truncate(known);
         stretch.begin_again(noise);
         stretch.system.put_back(stretch.bodies, &stretch.aside[3]);
         (stretch.bodies.noise, stretch.parts) = (noise_at_end, gone_in);
