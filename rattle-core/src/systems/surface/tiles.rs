@@ -55,17 +55,17 @@ const fn may_go_in_tiles<N: Count, const D: usize>() -> bool {
     N::MANY && D <= MOST_COORDINATES
 }
 
-/// [`drift_in_tiles`](OnSurface::drift_in_tiles) of a system.
-pub(super) type Drifts<Y, T, B, W> = fn(&Y, Fusing, f64, f64, &[T], &mut B, &mut W) -> Result<(), Failure>;
-/// [`settle_in_tiles`](OnSurface::settle_in_tiles) of a system.
-pub(super) type Settles<Y, B, W> = fn(&Y, Fusing, f64, f64, &mut B, &mut W) -> Result<(), Failure>;
-/// Evaluates the normals of all bodies.
-type Fuses<Y, B> = fn(&Y, &mut B);
+/// [`drift_in_tiles`](OnSurface::drift_in_tiles) of a system, or none.
+type Drifts<Y, T, B, W> = Option<fn(&Y, Fusing, f64, f64, &[T], &mut B, &mut W) -> Result<(), Failure>>;
+/// [`settle_in_tiles`](OnSurface::settle_in_tiles) of a system, or none.
+type Settles<Y, B, W> = Option<fn(&Y, Fusing, f64, f64, &mut B, &mut W) -> Result<(), Failure>>;
+/// [`fuse_all`](OnSurface::fuse_all) of a system, or none.
+type Fuses<Y, B> = Option<fn(&Y, &mut B)>;
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// The first half of a step, of scenes that may go in tiles.
     pub(super) const fn drifts<T: Scalar, W: Witness<T>, const D: usize>()
-    -> Option<Drifts<Self, T, BodiesOf<N, T, F, D>, W>>
+    -> Drifts<Self, T, BodiesOf<N, T, F, D>, W>
     where
         K: ConstraintKernel<T, D, 1>,
         L: ConstraintKernel<Number, D, 1>,
@@ -76,7 +76,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
 
     /// The second half of a step, of scenes that may go in tiles.
     pub(super) const fn settles<T: Scalar, W: Witness<T>, const D: usize>()
-    -> Option<Settles<Self, BodiesOf<N, T, F, D>, W>>
+    -> Settles<Self, BodiesOf<N, T, F, D>, W>
     where
         F: Forces<T, D>,
     {
@@ -206,7 +206,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         true
     }
 
-    const fn fuses<T: Scalar, const D: usize>() -> Option<Fuses<Self, BodiesOf<N, T, F, D>>>
+    const fn fuses<T: Scalar, const D: usize>() -> Fuses<Self, BodiesOf<N, T, F, D>>
     where
         L: ConstraintKernel<Number, D, 1>,
         F: Forces<T, D>,
