@@ -11,10 +11,9 @@
 //! τ = ε Σ |∂gap/∂qᵢ| (|qᵢ| + way)                                                   the rounding of the gap
 //! ```
 //!
-//! A gap may be rounded more coarsely than τ tells, where it is a small difference of large terms, as x² + y² + (z +
-//! r)² − r² is.
+//! A gap that is a small difference of large terms, as x² + y² + (z + r)² − r², is rounded more coarsely than τ tells.
 //! Then there may be no instant with 0 ≤ gap ≤ 2τ. Where no instant is left between a positive gap and a negative one,
-//! both are the noise of this gap, and it is closed within that for the rest of the step.
+//! the larger of the two is the noise of this gap, and it is closed within that for the rest of the step.
 //!
 //! Each try is a step of the method from the start of the stretch, so the instant is that of the method's own motion.
 //! A gap that is closed at the start and opens is divided by the time: s = 0 is not the root that is sought.
@@ -210,8 +209,7 @@ impl<const D: usize> Meetings<D> {
             contacts.gap(which.number, &moved, &mut self.gradient)
         };
         let here = gap(0.0);
-        let bent = |shift: f64| ((gap(shift) - here) / length - shift).abs();
-        let mut bent = bent;
+        let mut bent = |shift: f64| ((gap(shift) - here) / length - shift).abs();
         let noise = noise_of_terms::<f64>(size, |size| rounding_of_g(size, f64::INFINITY, &mut bent));
         self.gradient = normal;
         noise * length
@@ -393,6 +391,7 @@ impl<const D: usize> Meetings<D> {
         let noise = above.max(below);
         self.noises.push((which, noise));
         if !closed(&start.with_noise(noise), &end.with_noise(noise)) {
+            self.cleared.push(which);
             return Ok(None);
         }
         if low > 0.0 {
