@@ -63,7 +63,7 @@ pub use dry_friction::DryFriction;
 pub use flow::{ActsByFlow, Flow, Flowing};
 pub use force::{Absent, Force};
 pub use hard_spheres::HardSpheres;
-pub use interval::{Inertia, Interval, Normals, Rule};
+pub use interval::{Inertia, Interval, Manner, Normals, Rule};
 pub use langevin::Langevin;
 pub use list::{Effects, Forces, Superposed, With};
 pub use magnetic::MagneticField;
