@@ -57,6 +57,8 @@ macro_rules! debug_as_display {
 }
 
 pub mod checkpoint;
+#[cfg(any(feature = "plot", feature = "view"))]
+mod constant;
 pub mod conventions;
 #[cfg(feature = "data")]
 pub mod data;

@@ -1,5 +1,5 @@
-//! Impacts that are hard to find: of gaps that are rounded to much less than places are, and behind a near miss within
-//! one step.
+//! Impacts that are hard to find: of gaps that are rounded much more coarsely than places are, and behind a near miss
+//! within one step.
 
 use rattle::effect::{HardSpheres, Stop};
 use rattle::potentials::Gravity;

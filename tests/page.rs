@@ -61,6 +61,15 @@ pub(crate) fn billiards() -> Page {
     Page::new("Billiards on a surface of <genus> two & more").scene(fan).scene(crowd)
 }
 
+/// A page in a window of this width and height, once its script has run.
+pub(crate) fn opened(chromium: &Path, file: &Path, [width, height]: [u32; 2]) -> Browser {
+    let mut page = Browser::start(chromium, &[]);
+    page.resize(width, height, false);
+    page.open(file);
+    page.wait("window.rattle !== undefined");
+    page
+}
+
 /// `RATTLE_PICTURES=folder` keeps screenshots, to be looked at.
 pub(crate) fn keep(page: &mut Browser, name: &str) {
     if let Some(folder) = std::env::var_os("RATTLE_PICTURES") {
@@ -468,10 +477,7 @@ fn a_moving_surface_moves() {
     let scene =
         Scene3::new("ball").times(&[0.0, 1.0, 2.0]).moving_surface(&[(0.0, ball(0.5)), (1.5, ball(1.0))]);
     Page::new("Ball").scene(scene).write(&file).unwrap();
-    let mut page = Browser::start(&chromium, &[]);
-    page.resize(1120, 720, false);
-    page.open(&file);
-    page.wait("window.rattle !== undefined");
+    let mut page = opened(&chromium, &file, [1120, 720]);
     page.evaluate("rattle.pause()");
     let mut covered = |frame: u32| {
         page.evaluate(&format!("rattle.seek({frame}); rattle.draw()"));
@@ -530,10 +536,7 @@ fn scenes_of_any_place_and_size_look_alike() {
     let page =
         scenes.iter().fold(page, |page, (title, x, size)| page.scene(model(title, [*x, *x, -*x], *size)));
     page.write(&file).unwrap();
-    let mut page = Browser::start(&chromium, &[]);
-    page.resize(800, 600, false);
-    page.open(&file);
-    page.wait("window.rattle !== undefined");
+    let mut page = opened(&chromium, &file, [800, 600]);
     page.evaluate("rattle.pause()");
     // Numbers on the axes are others.
     page.evaluate("document.getElementById('notes').style.display = 'none'");
@@ -569,10 +572,7 @@ fn small_numbers_and_periods_are_shown() {
     let around = [vec![[0.9, 0.0, 0.0], [0.1, 0.0, 0.0]], vec![[0.0; 3]; 2], vec![[1.0, 0.0, 1.0]; 2]];
     let around = Scene3::new("around").bodies(&[0.0, 1.0], &around).periods([1.0, 0.0, 0.0]).names(["a"]);
     Page::new("Small").scene(small).scene(around).write(&file).unwrap();
-    let mut page = Browser::start(&chromium, &[]);
-    page.resize(1120, 720, false);
-    page.open(&file);
-    page.wait("window.rattle !== undefined");
+    let mut page = opened(&chromium, &file, [1120, 720]);
     page.evaluate("rattle.pause(); rattle.seek(25)");
     page.wait("clock.textContent.includes('25 / 100')");
     assert_eq!(page.evaluate("clock.textContent"), "t = 2.5·10⁻¹² 25 / 100");

@@ -1,9 +1,16 @@
 //! The 3-D page where its numbers are at their ends, opened in headless Chromium.
 
 use crate::page::browser::{self, Browser};
-use crate::page::{ball, keep, pixel};
+use crate::page::{ball, keep, opened, pixel};
 use rattle::view::{Page, Scene3};
 use serde_json::json;
+
+/// Whether something is drawn so far to the right of a body, as high as the first one: `own` is that, and `low` and
+/// `high` are two that stand at −1 and 2.
+fn drawn(page: &mut Browser, from: &str, off: f64) -> bool {
+    let place = format!("[{from}[0] + {off} / 3 * (high[0] - low[0]), own[1]]");
+    pixel(page, &format!("((own, low, high) => {place})(...[0, 1, 2].map(rattle.place))"))[3] > 40
+}
 
 /// A trail that goes round space, of more than half a period, lies behind its body and is no longer than it is.
 #[test]
@@ -22,20 +29,12 @@ fn trails_go_round_space() {
     let half =
         Scene3::new("half").bodies(&times, &[halves, stands(-1.0), stands(2.0)]).periods([1.0, 0.0, 0.0]);
     Page::new("Round").scene(scene.trail(9)).scene(half.trail(2)).write(&file).unwrap();
-    let mut page = Browser::start(&chromium, &[]);
-    page.resize(1120, 720, false);
-    page.open(&file);
-    page.wait("window.rattle !== undefined");
+    let mut page = opened(&chromium, &file, [1120, 720]);
     for (frame, head) in [(29, 0.95), (23, 0.35), (22, 0.25)] {
         page.evaluate(&format!("rattle.pause(); rattle.seek({frame}); rattle.draw()"));
         keep(&mut page, &format!("round-{frame}"));
-        let mut drawn = |x: f64| {
-            let at = format!(
-                "((own, low, high) => [low[0] + ({x} + 1) / 3 * (high[0] - low[0]), own[1]])(...[0, 1, 2].map(rattle.place))"
-            );
-            pixel(&mut page, &at)[3] > 40
-        };
-        let along: Vec<bool> = (-18..40).map(|i| drawn(0.05 * f64::from(i) + 0.025)).collect();
+        let along: Vec<bool> =
+            (-18..40).map(|i| drawn(&mut page, "low", 1.025 + 0.05 * f64::from(i))).collect();
         let seen: Vec<f64> = (-18..40)
             .zip(along)
             .filter(|(_, drawn)| *drawn)
@@ -54,13 +53,8 @@ fn trails_go_round_space() {
         let rightwards = x(f64::from(frame) - 0.5) > x(f64::from(frame) - 1.0);
         x(f64::from(frame));
         keep(&mut page, &format!("half-{frame}"));
-        let mut drawn = |off: f64| {
-            let at = format!(
-                "((own, low, high) => [own[0] + {off} / 3 * (high[0] - low[0]), own[1]])(...[0, 1, 2].map(rattle.place))"
-            );
-            pixel(&mut page, &at)[3] > 40
-        };
-        assert_eq!([drawn(-0.25), drawn(0.25)], [rightwards, !rightwards], "{frame}");
+        let beside = [-0.25, 0.25].map(|off| drawn(&mut page, "own", off));
+        assert_eq!(beside, [rightwards, !rightwards], "{frame}");
     }
     assert_eq!(page.complaints, Vec::<String>::new());
 }
@@ -81,10 +75,7 @@ fn a_constant_has_one_colour() {
         page = page.scene(scene.coloured_by("energy", &[[number], [ulps(number, off)]]));
     }
     page.write(&file).unwrap();
-    let mut page = Browser::start(&chromium, &[]);
-    page.resize(1120, 720, false);
-    page.open(&file);
-    page.wait("window.rattle !== undefined");
+    let mut page = opened(&chromium, &file, [1120, 720]);
     for scene in 0..5 {
         page.evaluate(&format!("rattle.pause(); rattle.show({scene}); rattle.draw()"));
         let [left, right] = ["0", "1"].map(|body| pixel(&mut page, &format!("rattle.place({body})")));
@@ -103,10 +94,7 @@ fn long_films_are_several_archives() {
     let file = folder.path().join("long.html");
     let scene = Scene3::new("long").bodies(&[0.0, 1.0], &[[[0.0; 3], [1.0, 0.0, 0.0]]]).seconds(0.4);
     Page::new("Long").scene(scene).write(&file).unwrap();
-    let mut page = Browser::start(&chromium, &[]);
-    page.resize(400, 300, false);
-    page.open(&file);
-    page.wait("window.rattle !== undefined");
+    let mut page = opened(&chromium, &file, [400, 300]);
     page.evaluate("rattle.pause(); rattle.film(4).then(async (parts) => { window.parts = await Promise.all(parts.map(async (part) => \
                    { const bytes = new DataView(await part.arrayBuffer()); return bytes.getUint16(bytes.byteLength - 12, true) })) })");
     page.wait("window.parts !== undefined");

@@ -6,14 +6,14 @@
 //!               are few; a window of about a decade gets the ticks of a linear axis
 //! ```
 
+use crate::constant::is_constant;
+
 /// With fewer decades an axis gets the ticks of a linear one, and with fewer than the second number 2 and 5 between.
 const FEW_DECADES: [f64; 2] = [1.2, 3.5];
 /// With more decades only every n-th has a tick.
 const MANY_DECADES: f64 = 16.0;
 /// What is shorter counts as nothing: a hundredth of it is still a double of full precision.
 const SMALLEST: f64 = 1e-303;
-/// Numbers that differ by a smaller part of them are constant: differences are rounding.
-const CONSTANT: f64 = 1e-13;
 /// A tick this part of a step outside is still at the end: the step is rounded.
 const ROUNDING: f64 = 1e-9;
 /// The powers of ten of numbers that are written in full, and the most decimals of such numbers.
@@ -53,7 +53,7 @@ impl Axis {
     pub(super) fn linear(values: impl Iterator<Item = f64>, number: f64) -> Self {
         let (low, high) = range(values);
         // A constant still gets an axis, wide enough that its ticks are distinct doubles.
-        let room = if high - low > f64::max(CONSTANT * low.abs().max(high.abs()), SMALLEST) {
+        let room = if !is_constant(low, high) && high - low > SMALLEST {
             0.0
         } else if low.abs() < SMALLEST {
             1.0

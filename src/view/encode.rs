@@ -12,6 +12,7 @@
 use super::mesh::Mesh;
 use super::parts::{End, Moved, Strip};
 use super::scene::Scene3;
+use crate::constant::is_constant;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};
 use std::borrow::Borrow;
@@ -121,14 +122,10 @@ fn rows(lists: &[Vec<f64>], bodies: usize) -> (usize, Vec<Vec<f64>>) {
     (each, (0..bodies).map(|body| full(&lists[body.min(lists.len() - 1)])).collect())
 }
 
-/// Numbers that differ by a smaller part of them are constant: differences are rounding.
-const CONSTANT: f64 = 1e-13;
-
 /// Numbers as 16-bit fractions of their range; those of a constant are 0.
 fn scale_json(label: &str, each: usize, values: &[f64]) -> Value {
     let [low, high] = ends(values.iter().copied());
-    let constant = high - low <= CONSTANT * low.abs().max(high.abs());
-    let span = if constant { f64::INFINITY } else { high - low };
+    let span = if is_constant(low, high) { f64::INFINITY } else { high - low };
     let fraction = |value: &f64| (((value - low) / span * f64::from(u16::MAX)).round() as u16).to_le_bytes();
     json!({ "label": label, "low": low, "high": high, "each": each, "values": base64(values.iter().flat_map(fraction)) })
 }

@@ -240,8 +240,8 @@ pub enum StartFailure {
     /// The gradient is so long or so short that its square, or that over the masses, overflows or underflows.
     #[error(
         "the gradient of {} has the length {gradient:.1e}, and its square, or that over the masses, is beyond the \
-         numbers; choose units in which lengths and masses are nearer to 1, or, if units are \
-         such, multiply the constraint by about {:.0e}", equation.as_ref().map_or("the constraint".into(), ToString::to_string), 1.0 / gradient
+         numbers; choose units in which lengths and masses are nearer to 1, or, if units are such, multiply the \
+         constraint by about {:.0e}", equation.as_ref().map_or("the constraint".into(), ToString::to_string), 1.0 / gradient
     )]
     OutOfScale {
         /// Which equation, for linked bodies.

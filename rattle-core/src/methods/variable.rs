@@ -74,9 +74,8 @@ pub struct Variable<B> {
 }
 
 impl<B: Method> Variable<B> {
-    /// Steps of `base`, of about its step size at most (a few just behind a close passage may be up to twice as long),
-    /// and shorter where momenta change by their own size within the time
-    /// `tau`, in the unit of time.
+    /// Steps of `base`, of about its step size at most, and shorter where momenta change by their own size within the
+    /// time `tau`, in the unit of time. Just behind a close passage a few may be up to twice as long.
     #[must_use]
     pub fn of(base: B, tau: f64) -> Self {
         Self { base, tau }

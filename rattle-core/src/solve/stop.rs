@@ -40,12 +40,6 @@ pub(crate) fn size_of_terms<T: Real>(along: T, way: T, most: T) -> T {
     T::from_f64(T::EPSILON).multiply_add(most, T::from_f64(TERMS).multiply_add(along, way).min(most))
 }
 
-/// One over a rounding of numbers of this size, or over the least number that has all digits where a rounding is less.
-#[inline(always)]
-pub(crate) fn over_rounding(size: f64) -> f64 {
-    1.0 / larger(f64::EPSILON * size, f64::MIN_POSITIVE)
-}
-
 /// The same by |n|, which is `length`, for one body without links.
 #[inline(always)]
 pub(crate) fn size_along<T: Real, const D: usize>(n: &[T; D], length: T, a: &[T; D]) -> T {
@@ -56,6 +50,12 @@ pub(crate) fn size_along<T: Real, const D: usize>(n: &[T; D], length: T, a: &[T;
         (along, most) = (n[i].abs().multiply_add(size, along), most.max(size));
     }
     size_of_terms(along / length, T::from_f64(0.0), most)
+}
+
+/// One over a rounding of numbers of this size, or over the least number that has all digits where a rounding is less.
+#[inline(always)]
+pub(crate) fn over_rounding(size: f64) -> f64 {
+    1.0 / larger(f64::EPSILON * size, f64::MIN_POSITIVE)
 }
 
 /// What g of a link is made of, body by body: its normal, and how large coordinates are.

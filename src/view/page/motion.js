@@ -89,6 +89,9 @@ function wallGeometry([corner, a, b]) {
   return faces([{ corners: [at(0, 0), at(1, 0), at(1, 1), at(0, 1)], towards, tint: new THREE.Color(1, 1, 1) }]);
 }
 
+/** How many periods lead from the end of a way to its image that is nearest to the start, as `nearest` of the shaders. */
+const periodsBack = (way, period) => (period > 0 ? Math.floor(0.5 - way / period) : 0);
+
 class Motion {
   constructor(source) {
     Object.assign(this, source);
@@ -232,8 +235,7 @@ class Motion {
         const way = this.positions[3 * i + axis] - this.positions[3 * (i - 1) + axis];
         const digit = 256 ** axis;
         const before = Math.floor(rounds[i - 1] / digit) % 256;
-        const turns = period > 0 ? Math.floor(0.5 - way / period) : 0; // as the shader's `nearest`
-        rounds[i] += digit * ((((before + turns) % 256) + 256) % 256);
+        rounds[i] += digit * ((((before + periodsBack(way, period)) % 256) + 256) % 256);
       });
     }
     return rounds;
@@ -372,7 +374,7 @@ class Motion {
     const [a, b] = [path.subarray(width * whole, width * (whole + 1)), path.subarray(width * next, width * (next + 1))];
     const part = this.frame - Math.floor(this.frame);
     const sign = width === 4 && a.reduce((sum, x, i) => sum + x * b[i], 0) < 0 ? -1 : 1;
-    const round = (i) => (width === 3 && this.periods[i] > 0 ? this.periods[i] * Math.round((a[i] - b[i]) / this.periods[i]) : 0);
+    const round = (i) => (width === 3 ? this.periods[i] * periodsBack(b[i] - a[i], this.periods[i]) : 0);
     return into.fromArray(Array.from(a, (x, i) => x + part * (sign * b[i] + round(i) - x)));
   }
 
