@@ -12,9 +12,9 @@
 //!
 //! let scene = Scene::on(Sphere { r: 1.0 });
 //! let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
-//! let prices = scene.price(&start, 5.0).budget(0.2).measure()?;
+//! let prices = scene.price(&start, 5.0).budget(1.0).measure()?;
 //! println!("{prices}");
-//! let mut planned = scene.within(1e-8).budget(0.2).simulate(&start, 5.0)?;
+//! let mut planned = scene.within(1e-8).budget(1.0).simulate(&start, 5.0)?;
 //! println!("{planned}");
 //! let bill = planned.run()?;
 //! let q = planned.simulation.positions().next().unwrap();
