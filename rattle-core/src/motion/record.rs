@@ -170,12 +170,15 @@ impl<'a> Reading<'a> {
         }
     }
 
+    /// Whether the next field has this name.
+    pub(crate) fn is_next(&self, name: &str) -> bool {
+        self.rest.first().is_some_and(|field| field.name.strip_prefix(&self.within) == Some(name))
+    }
+
     /// Passes over the next field if it has this name: one that was written before, and is not needed any more.
     pub(crate) fn pass_over(&mut self, name: &str) {
-        if let Some((field, rest)) = self.rest.split_first()
-            && field.name.strip_prefix(&self.within) == Some(name)
-        {
-            self.rest = rest;
+        if self.is_next(name) {
+            self.rest = &self.rest[1..];
         }
     }
 

@@ -40,16 +40,32 @@ pub(crate) fn size_of_terms<T: Real>(along: T, way: T, most: T) -> T {
     T::from_f64(T::EPSILON).multiply_add(most, T::from_f64(TERMS).multiply_add(along, way).min(most))
 }
 
-/// The same by |n|, which is `length`, for one body without links.
+/// Σ|nᵢaᵢ|, and the largest |aᵢ|.
 #[inline(always)]
-pub(crate) fn size_along<T: Real, const D: usize>(n: &[T; D], length: T, a: &[T; D]) -> T {
+fn along_and_most<T: Real, const D: usize>(n: &[T; D], a: &[T; D]) -> (T, T) {
     let mut most = a[0].abs();
     let mut along = n[0].abs() * most;
     for i in 1..D {
         let size = a[i].abs();
         (along, most) = (n[i].abs().multiply_add(size, along), most.max(size));
     }
+    (along, most)
+}
+
+/// The same by |n|, which is `length`, for one body without links.
+#[inline(always)]
+pub(crate) fn size_along<T: Real, const D: usize>(n: &[T; D], length: T, a: &[T; D]) -> T {
+    let (along, most) = along_and_most(n, a);
     size_of_terms(along / length, T::from_f64(0.0), most)
+}
+
+/// The same squared, by 1/|n|², without a root.
+#[inline(always)]
+pub(crate) fn size_along_square<T: Real, const D: usize>(n: &[T; D], over_square: T, a: &[T; D]) -> T {
+    let (along, most) = along_and_most(n, a);
+    let most_square = most * most;
+    let along_square = T::from_f64(TERMS * TERMS) * (along * (along * over_square));
+    T::from_f64(T::EPSILON * T::EPSILON).multiply_add(most_square, along_square.min(most_square))
 }
 
 /// One over a rounding of numbers of this size, or over the least number that has all digits where a rounding is less.

@@ -32,14 +32,20 @@ use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::lane_record::{self, Rows};
 use crate::run::ensemble::laws::Laws;
 use crate::solve::crowd::{self, PATH, REACH, ROOT_3};
-use crate::solve::stop::size_of_terms;
+use crate::solve::stop::{size_along_square, size_of_terms};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::tiles::AT_REST;
 use std::borrow::Borrow;
 
-/// Less than any |g|: a lane is not at rest, and lost in any case.
+/// Less than any square: a lane is not at rest, and lost in any case.
 pub(super) const LOST: f64 = -1.0;
+
+/// The name of the row of [`Block::rest`] in checkpoints.
+const REST: &str = "displacement at rest, squared";
+
+/// The row that was written before in its place: what |g| may be, or [`LOST`].
+const OLD_REST: &str = "rest";
 
 /// Trajectories side by side. `SUMS` is 1 if positions and momenta are compensated sums, else 0; `EQUAL` says that a
 /// step
@@ -54,7 +60,8 @@ pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize, co
     pub(super) normal: Vectors<S, L, D>,
     /// |∇g(q)|².
     pub(super) square: [S; L],
-    /// What |g| may be at rest; [`LOST`] where the next step is to be made by the lane itself.
+    /// What the displacement |g|/|∇g| may be at rest, squared, as [measured](Block::measure) last; [`LOST`] where the
+    /// next step is to be made by the lane itself.
     pub(super) rest: [S; L],
     /// Λ₀ of the step to come.
     pub(super) guess: [S; L],
@@ -80,7 +87,8 @@ pub(crate) struct Scratch<S, const L: usize, const D: usize> {
     pub(super) multiplier: [S; L],
     /// 1/s.
     pub(super) over_slope: [S; L],
-    /// g₀, 1/g₀, and then g₂, or not a number where the slope says that the surface may have been left.
+    /// g₀, 1/g₀, and then how far off Λ₂ is, squared, or not a number where the slope says that the surface may have
+    /// been left.
     pub(super) g: [S; L],
 }
 
@@ -308,12 +316,23 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         }
         put(&mut self.normal, lane, gradient);
         self.square[lane] = dot(&gradient, &gradient);
-        self.rest[lane] = at_rest(&gradient, &q[0]);
+        self.rest[lane] = rest_square(&gradient, self.square[lane], &q[0]);
         self.guess[lane] = guess;
         for past in &mut self.past {
             past[lane] = S::from_f64(part.before) * guess;
         }
         holds
+    }
+
+    /// Measures what displacements may be at rest. How large places are changes little from look to look, and how large
+    /// |∇g| is takes no part.
+    #[inline(always)]
+    pub(super) fn measure(&mut self) {
+        let Self { q, normal, square, rest, .. } = self;
+        for i in 0..L {
+            let measured = rest_square(&at(normal, i), square[i], &at(q, i));
+            rest[i] = S::select(rest[i].lt(S::default()), rest[i], measured);
+        }
     }
 
     /// Copies a lane.
@@ -375,11 +394,18 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
     pub(crate) fn recalled(from: &mut Reading<'_>, parts: usize) -> Result<Self, Error> {
         let mut block = Self::new();
         let mut rows = block.rows();
-        let first = rows.iter().position(|(name, _)| *name == "rest").unwrap_or(0);
-        let then = rows.split_off(first);
+        let first = rows.iter().position(|(name, _)| *name == REST).unwrap_or(0);
+        let mut then = rows.split_off(first);
         lane_record::read(rows, from)?;
         from.pass_over("bias");
+        let is_old = from.is_next(OLD_REST);
+        if is_old {
+            then[0].0 = OLD_REST;
+        }
         lane_record::read(then, from)?;
+        if is_old {
+            block.measure();
+        }
         let [part] = from.counted("part")?;
         block.part = part as usize % parts;
         Ok(block)
@@ -396,7 +422,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         for (name, vectors) in [("q rounding", q_low), ("way rounding", way_low)] {
             vectors.as_flattened_mut().iter_mut().for_each(|numbers| rows.push((name, numbers)));
         }
-        let numbers = [("square", &mut square[..]), ("rest", rest), ("guess", guess)];
+        let numbers = [("square", &mut square[..]), (REST, rest), ("guess", guess)];
         rows.extend(numbers.into_iter().chain([("last", &mut last[..]), ("earlier", earlier)]));
         rows
     }
@@ -536,6 +562,16 @@ where
     }
 }
 
+/// What a displacement may be at rest, squared: that of `AT_REST` ε times [how large](size_along_square) coordinates
+/// are along the normal. Nothing where that is no number: then no lane rests before it is corrected by itself.
+#[inline(always)]
+pub(super) fn rest_square<S: Lane, const D: usize>(gradient: &[S; D], square: S, q: &[S; D]) -> S {
+    let roundings = AT_REST * S::EPSILON;
+    let most_square =
+        S::from_f64(roundings * roundings) * size_along_square(gradient, S::from_f64(1.0) / square, q);
+    S::select(is_finite(most_square), most_square, S::default())
+}
+
 /// What |g| may be at rest: `AT_REST` ε times the [size of its terms](size_of_terms), with |q|∞ |∇g|∞ for the largest,
 /// which is |∇g| |q| to a factor of √3 in space.
 #[inline(always)]
@@ -564,20 +600,27 @@ mod tests {
     use crate::number::lanes::Fused;
 
     #[test]
-    fn a_record_with_a_row_that_is_gone_is_read() {
+    fn a_record_with_rows_that_are_gone_is_read() {
         let mut block = Block::<Fused<f64>, 2, 3, 1, true>::new();
         for (row, (_, numbers)) in block.rows().into_iter().enumerate() {
             numbers.iter_mut().enumerate().for_each(|(i, x)| *x = Fused((2 * row + i) as f64));
         }
-        let mut record = Record::default();
-        for (name, numbers) in block.rows() {
-            if name == "rest" {
-                record.numbers("bias", &[2], [0.5; 2]);
+        block.measure();
+        block.rest[1] = Fused(LOST);
+        for (biased, old) in [(false, false), (false, true), (true, true)] {
+            let mut record = Record::default();
+            for (name, numbers) in block.rows() {
+                if name == REST && biased {
+                    record.numbers("bias", &[2], [0.5; 2]);
+                }
+                match name {
+                    REST if old => record.numbers(OLD_REST, &[2], [1e-14, LOST]),
+                    _ => record.numbers(name, &[2], numbers.iter().map(|x| x.0)),
+                }
             }
-            record.numbers(name, &[2], numbers.iter().map(|x| x.0));
+            record.counts("part", [0]);
+            let mut read = Block::<Fused<f64>, 2, 3, 1, true>::recalled(&mut record.read(), 1).unwrap();
+            assert!(read.rows() == block.rows(), "{biased} {old}");
         }
-        record.counts("part", [0]);
-        let mut read = Block::<Fused<f64>, 2, 3, 1, true>::recalled(&mut record.read(), 1).unwrap();
-        assert!(read.rows() == block.rows());
     }
 }

@@ -19,7 +19,9 @@
 //! next guess: they grow from step to step where a step turns by more than a third.
 //!
 //! **Stopping.** A displacement |g|/|∇g| of at most 256 ε|q|∞ gets one last correction, a chord step, whose remaining
-//! error is below rounding. Where the displacement is larger, the lane is corrected again by itself. ∇g is carried on
+//! error is below rounding. Where the displacement is larger, the lane is corrected again by itself. Squares of
+//! displacements are compared, g·(g/s), which take two products. How large |q| is along the normal is measured now and
+//! then ([`Block::measure`]): a bound that is some times too large still leaves less than rounding. ∇g is carried on
 //! through the last correction, as it changed on the way from Λ₀: corrections have one sign for many steps, and by ∇g
 //! of the place before them the energy drifts by up to 1e-16 of itself a step.
 //!
@@ -33,7 +35,7 @@ use crate::motion::failure::Failure;
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
-use crate::run::ensemble::block::{Block, LOST, Part, Scratch, at_rest, is_finite, not_finite};
+use crate::run::ensemble::block::{Block, LOST, Part, Scratch, at_rest, is_finite, not_finite, rest_square};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
 use crate::systems::surface::normal::Normal;
@@ -128,11 +130,11 @@ where
         put(old, 0, n);
         let point = add_scaled(&at(free, 0), newton.multiplier, &n);
         let ([residual], [gradient]) = laws.constraint(0).borrow().value_and_jacobian(&point);
-        if residual.abs().le(rest[0]) {
+        if off_square(residual, newton.over_slope).lt(rest[0]) {
             put(normal, 0, carried(gradient, &at(first, 0), residual * g[0]));
             (multiplier[0], g[0]) =
                 last_correction(square[0], residual, newton.multiplier, newton.over_slope);
-            unrest = !g[0].abs().le(rest[0]);
+            unrest = !g[0].lt(rest[0]);
         } else {
             (multiplier[0], over_slope[0]) = newton.improved(residual, rest[0]);
             unrest = examine(laws, old, free, square, rest, first, over_slope, multiplier, g, normal);
@@ -143,11 +145,11 @@ where
     }
     if unrest {
         for lane in 0..L {
-            if g[lane].abs().le(rest[lane]) {
+            if g[lane].lt(rest[lane]) {
                 continue;
             }
             let n = at(old, lane);
-            let path = (&at(free, lane), &n, square[lane], rest[lane]);
+            let path = (&at(free, lane), &n, square[lane], at_rest(&n, &at(q, lane)));
             let astray = !is_finite(g[lane]) || rest[lane].le(S::default());
             let landing =
                 if astray { None } else { again(laws.constraint(lane).borrow(), path, multiplier[lane]) };
@@ -163,15 +165,17 @@ where
             };
             multiplier[lane] = found;
             put(normal, lane, gradient);
+            let place = add_scaled(&at(free, lane), found, &n);
+            rest[lane] = rest_square(&gradient, dot(&gradient, &gradient), &place);
         }
     }
     if EQUAL || part.kick != 0.0 {
         finish::<S, L, D, SUMS, EQUAL, true>(
-            laws, part, old, normal, free, multiplier, q, way, q_low, way_low, square, rest, ahead, past,
+            laws, part, old, normal, free, multiplier, q, way, q_low, way_low, square, ahead, past,
         );
     } else {
         finish::<S, L, D, SUMS, EQUAL, false>(
-            laws, part, old, normal, free, multiplier, q, way, q_low, way_low, square, rest, ahead, past,
+            laws, part, old, normal, free, multiplier, q, way, q_low, way_low, square, ahead, past,
         );
     }
     Ok(lost)
@@ -251,18 +255,18 @@ struct Newton<S> {
 }
 
 impl<S: Lane> Newton<S> {
-    /// Λ₂ and 1/s there, from g₁; Λ₁ and 1/s where it is at rest.
+    /// Λ₂ and 1/s there, from g₁; Λ₁ and 1/s where that is at rest, as a lane that is alone looks at once.
     #[inline(always)]
     fn improved(&self, residual: S, rest: S) -> (S, S) {
-        let [one, two, five, most] = [1.0, 2.0, 5.0, 0.0625].map(S::from_f64);
-        let ratio = residual * self.over_first;
+        let [zero, one, two, five, most] = [0.0, 1.0, 2.0, 5.0, 0.0625].map(S::from_f64);
+        let change = residual * self.over_slope;
+        let rests = (residual * change).lt(rest);
+        let ratio = S::select(rests, zero, residual * self.over_first);
         let ratio = S::select(ratio.lt(most), ratio, most);
         let ratio = S::select((-most).lt(ratio), ratio, -most); // also where g₀ is 0, and the ratio not a number
         let series = five.multiply_add(ratio, two).multiply_add(ratio, one);
-        let over_slope = self.over_slope * series;
-        let improved = (-residual).multiply_add(over_slope, self.multiplier);
-        let rests = residual.abs().le(rest);
-        (S::select(rests, self.multiplier, improved), S::select(rests, self.over_slope, over_slope))
+        let improved = (-change).multiply_add(series, self.multiplier);
+        (S::select(rests, self.multiplier, improved), self.over_slope * series)
     }
 }
 
@@ -291,17 +295,25 @@ where
         let ([residual], [gradient]) = laws.constraint(i).borrow().value_and_jacobian(&point);
         put(next, i, carried(gradient, &at(first, i), residual * g[i]));
         (multiplier[i], g[i]) = last_correction(square[i], residual, multiplier[i], over_slope[i]);
-        unrest |= !g[i].abs().le(rest[i]); // also where it is not a number
+        unrest |= !g[i].lt(rest[i]); // also where it is not a number
     }
     unrest
 }
 
-/// Λ after the last correction, and g before it, or not a number where the surface may have been left.
+/// The square of the displacement |g|/|∇g|.
+#[inline(always)]
+fn off_square<S: Lane>(residual: S, over_slope: S) -> S {
+    residual * (residual * over_slope)
+}
+
+/// Λ after the last correction, and how far off it was before, squared, or not a number where the surface may have been
+/// left.
 #[inline(always)]
 fn last_correction<S: Lane>(square: S, residual: S, multiplier: S, over_slope: S) -> (S, S) {
     let [middle, off, nan] = [4.0 / 3.0, 2.0 / 3.0, f64::NAN].map(S::from_f64);
     let near = over_slope.multiply_add(square, -middle).abs().le(off);
-    ((-residual).multiply_add(over_slope, multiplier), S::select(near, residual, nan))
+    let off = off_square(residual, over_slope);
+    ((-residual).multiply_add(over_slope, multiplier), S::select(near, off, nan))
 }
 
 /// ∇g after the last correction, as it changed from Λ₀ on, of which way that is the share g₂/g₀.
@@ -351,7 +363,6 @@ fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: boo
     q_low: &mut [Vectors<S, L, D>; SUMS],
     way_low: &mut [Vectors<S, L, D>; SUMS],
     square: &mut [S; L],
-    rest: &mut [S; L],
     guess: &mut [S; L],
     [last, earlier]: &mut [[S; L]; 2],
 ) where
@@ -393,7 +404,6 @@ fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: boo
         };
         put(q, i, place);
         put(way, i, new);
-        rest[i] = at_rest(&m, &place);
         let extrapolated = if EQUAL {
             S::from_f64(3.0).multiply_add(found - last[i], earlier[i])
         } else {

@@ -228,6 +228,7 @@ where
             for now in from..from + steps {
                 if now % EVERY == 0 {
                     steps_of.look_around(now)?;
+                    steps_of.block.measure();
                 }
                 let start = steps_of.block.q;
                 lanes.rhythm.step(&mut steps_of, now, 1)?;

@@ -493,6 +493,9 @@ where
             loop {
                 if looks {
                     look_around(&desk.block, &laws, parts, stirs.as_mut(), now)?;
+                    if now % every == 0 {
+                        desk.block.measure();
+                    }
                 }
                 if now == end {
                     break;

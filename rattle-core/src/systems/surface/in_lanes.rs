@@ -37,10 +37,11 @@ pub(crate) struct TileInLanes<const D: usize> {
     /// The square of the rounding of the place.
     pub(super) floor_square: Numbers,
     pub(super) path_square: Numbers,
-    /// The first correction, and g and ∇g·∇g(q) where it was made.
+    /// The first correction, and g, ∇g·∇g(q), and one over that, where it was made.
     pub(super) first: Numbers,
     pub(super) g: Numbers,
     pub(super) slope: Numbers,
+    pub(super) over_slope: Numbers,
     /// 1 where h·κ·|v| ≤ ½; where the root is found; and where it is trusted.
     pub(super) gentle: Numbers,
     pub(super) rests: Numbers,
@@ -68,6 +69,7 @@ impl<const D: usize> TileInLanes<D> {
             first: numbers,
             g: numbers,
             slope: numbers,
+            over_slope: numbers,
             gentle: numbers,
             rests: numbers,
             arrives: numbers,
