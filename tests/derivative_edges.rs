@@ -198,3 +198,42 @@ fn no_number_has_no_curvature() {
     assert!(curved([1.0, 2.0], [0.0, 1.0])[1].is_nan());
     assert_eq!(curved([0.5, 0.0], [1.0, 1.0]), vector![-4.0, 0.0].transpose());
 }
+
+potential! { struct Held {} |x, y| acosh(max(x, 1)) + asin(min(y, 1)) }
+potential! { struct Between {} |x| acos(max(-1, min(1, x))) }
+potential! { struct Beyond {} |x| ln(min(x, -1)) }
+constraint! { struct Slope {} |x, y, z| z - max(x, 0)^1.25 + 0 * y }
+
+/// Where a function is held at the end of another's domain, it does not change, though the other's slope is infinite
+/// there; and what is no number has no slope however it is held.
+#[test]
+fn what_is_held_has_no_slope() {
+    assert_eq!(Held {}.gradient(&vector![0.5, 1.5]), vector![0.0, 0.0]);
+    assert_eq!(Held {}.gradient(&vector![1.25, 0.6]), vector![1.0 / 0.75, 1.25]);
+    for (x, slope) in [(1.0 + f64::EPSILON, 0.0), (-1.5, 0.0), (2.0, 0.0), (0.6, -1.25), (-0.6, -1.25)] {
+        assert_eq!(Between {}.gradient(&vector![x])[0], slope, "{x}");
+    }
+    assert!(Beyond {}.value(&vector![0.5]).is_nan() && Beyond {}.gradient(&vector![0.5])[0].is_nan());
+    for (x, curvature) in [(-1.0, 0.0), (16.0, -1.25 * 0.25 / 8.0)] {
+        let curved = Slope {}.hessian_vector(&vector![x, 0.0, 0.0], &vector![1.0, 0.0, 0.0])[0];
+        assert!((curved - curvature).abs() <= 2.0 * f64::EPSILON, "{x}: {curved}");
+    }
+    let start = || State::at([-0.5, 0.0, 0.0]).moving([0.1, 0.2, 0.0]);
+    let mut simulation = Scene::on(Slope {}).simulate(start(), Rattle::new(0.1)).unwrap();
+    simulation.run(10).unwrap();
+    assert_eq!(simulation.position(), vector![-0.4, 0.2, 0.0]);
+}
+
+potential! { struct Arcs {} |x| asin(x) }
+potential! { struct OtherArcs {} |x| acos(x) }
+potential! { struct Areas {} |x| atanh(x) }
+
+/// Infinite slopes have the sign of those beside them.
+#[test]
+fn infinite_slopes_have_their_sign() {
+    for x in [-1.0, 1.0] {
+        let at = vector![x];
+        let found = [Arcs {}.gradient(&at)[0], OtherArcs {}.gradient(&at)[0], Areas {}.gradient(&at)[0]];
+        assert_eq!(found, [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY], "{x}");
+    }
+}

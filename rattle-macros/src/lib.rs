@@ -65,6 +65,7 @@ use rattle_symbolic::{Macro, expand};
 /// abs'(0) = 1     sign' = floor' = 0     sqrt'(0) = cbrt'(0) = 0     norm, hypot and atan2 at the origin: 0
 /// sqrt(x^2), and norm of one number, are abs(x)
 /// x^y at x = 0, where 0 <= y < 1: 0     (second derivatives are what the formula of the first one makes them)
+/// x^(3/2) and x^(4/3) at x = 0: second derivatives are 0 too, those of other powers from 1 to 2 infinite
 /// ```
 ///
 /// Powers that are smooth again have the derivatives of what they come to, if they are written just so: `sqrt(x)^2`
@@ -73,11 +74,14 @@ use rattle_symbolic::{Macro, expand};
 /// `1 / (1 + exp(x))`. Far out, where it is no more than a rounding of 1, that and its derivative lose their digits.
 ///
 /// A branch is differentiated by choosing between the derivatives of its arms, so the arm not taken has
-/// no influence, NaN or not.
+/// no influence, NaN or not. Where `max` or `min` hold a value, functions of it have no slope, also where theirs is
+/// infinite: `acos(max(-1, min(1, c)))`.
 ///
 /// Power series along a curve, for `Taylor`, are those of the branch taken at the start of the curve. Where the curve
 /// starts just at a change of branches, or where a function is not smooth (`sqrt`, `ln`, `cbrt`, real powers at 0),
 /// coefficients are NaN or infinite: a fixed step is an error then, and `Taylor::adaptive` goes a little way without.
+/// A spring that pushes on one side only, as `max(x, 0)^2.5`, has none wherever it does not push: write
+/// `if x > 0 { x^2.5 } else { 0 }`.
 #[proc_macro]
 pub fn constraint(input: TokenStream) -> TokenStream {
     expand(Macro::Constraint, input.into()).into()

@@ -9,6 +9,8 @@
 //! A branch is differentiated by selecting between the derivatives of its arms. It is never
 //! multiplied with 0 or 1, so an arm that is not taken cannot leak its NaN: in the reverse sweep
 //! the adjoint stops at a branch, and the arms are swept forwards, to one derivative per variable.
+//! What is multiplied with the derivative of a branch is multiplied with its arms: an arm of no slope, as that of
+//! `max(x, 1)` below 1, has none in `acosh(max(x, 1))` either, although acosh′(1) is infinite.
 
 use crate::algebra::Scaled;
 use crate::functions::{Binary, Function};
@@ -89,7 +91,7 @@ impl<'a> Calculus<'a> {
                     for k in self.variables_of(id) {
                         let Some(entry) = gradient.get_mut(k as usize) else { continue };
                         let slope = self.slope(id, k);
-                        entry.push(self.graph.product(&[adjoint, slope]));
+                        entry.push(self.graph.product_with_branch(adjoint, slope));
                     }
                 }
                 _ => {
@@ -142,7 +144,7 @@ impl<'a> Calculus<'a> {
                         .into_iter()
                         .map(|(child, partial)| {
                             let child = of(&child);
-                            self.graph.product(&[partial, child])
+                            self.graph.product_with_branch(partial, child)
                         })
                         .collect();
                     self.graph.sum(&moved)

@@ -43,6 +43,48 @@ functions_of_two!(derivatives_of_two);
 
 /// The pieces that derivatives are made of.
 impl Graph {
+    /// The product of a factor and the derivative of a branch, of which some arms may be 0. Those stay 0 where the
+    /// factor is infinite, and are no number where it is none. Where the factor is always finite, it is the product.
+    pub(crate) fn product_with_branch(&mut self, factor: Scaled, slope: Scaled) -> Scaled {
+        let (Some(by), Some(of)) = (factor.node, slope.node) else { return self.product(&[factor, slope]) };
+        let Node::Select(comparison, a, b, then, other) = *self.node(of) else {
+            return self.product(&[factor, slope]);
+        };
+        if ![then, other].iter().any(|&arm| self.has_a_zero_arm(arm)) || !self.may_be_infinite(by) {
+            return self.product(&[factor, slope]);
+        }
+        let [then, other] = [then, other].map(|arm| {
+            if self.as_constant(arm) == Some(0.0) {
+                return self.zero_or_none(by);
+            }
+            let arm = self.product_with_branch(factor, Scaled::from(arm).times(slope.factor));
+            self.node_of(arm)
+        });
+        self.select(comparison, a, b, then, other).into()
+    }
+    /// Whether it is 0, or chooses what is.
+    fn has_a_zero_arm(&self, arm: Id) -> bool {
+        match *self.node(arm) {
+            Node::Select(_, _, _, then, other) => self.has_a_zero_arm(then) || self.has_a_zero_arm(other),
+            _ => self.as_constant(arm) == Some(0.0),
+        }
+    }
+    /// Whether there is a division by what moves, or what may be one.
+    fn may_be_infinite(&self, x: Id) -> bool {
+        self.reachable(&[x]).into_iter().filter(|&id| self.moving(id)).any(|id| match *self.node(id) {
+            Node::Div(_, by) => self.moving(by),
+            Node::Power(_, halves) => halves < 0,
+            Node::Call2(Binary::Powf, _, exponent) => self.number(exponent).is_none_or(|y| y < 0.0),
+            _ => false,
+        })
+    }
+    /// 0, also where x is infinite, and no number where x is none.
+    fn zero_or_none(&mut self, x: Id) -> Id {
+        let (size, infinite, zero) =
+            (self.call(Function::Abs, x), self.constant(f64::INFINITY), self.constant(0.0));
+        let rest = self.sub(x, x);
+        self.select(Comparison::LessOrEqual, infinite, size, zero, rest)
+    }
     /// 1/x, and 0 where x ≤ 0: for roots, whose slope at the tip is set to 0.
     fn guarded_reciprocal(&mut self, x: Id) -> Scaled {
         let zero = self.constant(0.0);
@@ -84,15 +126,17 @@ impl Graph {
         let square = self.product(&[x.into(), x.into()]).times(scale);
         self.sum(&[Scaled::number(shift), square])
     }
-    /// 1 − x², as (1 − x)(1 + x): exact near ±1, where it matters.
+    /// 1 − x², as (1 − x)(1 + x): exact near ±1, where it matters, and +0 there.
     fn one_minus_square(&mut self, x: Id) -> Scaled {
-        let one = Scaled::number(1.0);
-        let (less, more) = (self.sum(&[one, Scaled::from(x).times(-1.0)]), self.sum(&[one, x.into()]));
-        self.product(&[less, more])
+        let (one, more) = (self.constant(1.0), self.sum(&[Scaled::number(1.0), x.into()]));
+        let less = self.sub(one, x);
+        self.product(&[less.into(), more])
     }
     /// x² − 1, as (x − 1)(x + 1).
     fn square_minus_one(&mut self, x: Id) -> Scaled {
-        self.one_minus_square(x).times(-1.0)
+        let (one, more) = (self.constant(1.0), self.sum(&[Scaled::number(1.0), x.into()]));
+        let less = self.sub(x, one);
+        self.product(&[less.into(), more])
     }
     fn sum_of_squares(&mut self, a: Id, b: Id) -> Scaled {
         let (a, b) = (self.product(&[a.into(), a.into()]), self.product(&[b.into(), b.into()]));

@@ -129,6 +129,14 @@ impl<T: Real, K: ConstraintKernel<T, D, M>, const D: usize, const M: usize> Cons
         self.counts.add(false, false, true);
         self.inner.jet(q, v)
     }
+    fn hessian(&self, q: &[T; D]) -> [[[T; D]; D]; M] {
+        self.counts.add(false, false, true);
+        self.inner.hessian(q)
+    }
+    fn weighted_hessian_vector(&self, q: &[T; D], weights: &[T; M], v: &[T; D]) -> [T; D] {
+        self.counts.add(false, false, true);
+        self.inner.weighted_hessian_vector(q, weights, v)
+    }
 
     const KINKS: &'static [&'static str] = K::KINKS;
     fn kinks(&self, q: &[T; D], first: usize, found: &mut [T]) {
@@ -161,6 +169,9 @@ impl<P: Potential<D>, const D: usize> Potential<D> for Counted<P> {
 }
 
 impl<T: Real, K: PotentialKernel<T, D>, const D: usize> PotentialKernel<T, D> for Counted<K> {
+    fn acts_along(&self) -> [bool; D] {
+        self.inner.acts_along()
+    }
     fn value(&self, q: &[T; D]) -> T {
         self.counts.add(true, false, false);
         self.inner.value(q)

@@ -53,7 +53,7 @@ pub(crate) struct Chunks {
 impl Chunks {
     pub(crate) fn of(number: usize) -> Self {
         let (length, chunks) = if number < CHUNK { (1, number) } else { (CHUNK, number.div_ceil(CHUNK)) };
-        Self { length, number: chunks, last: number - length }
+        Self { length, number: chunks, last: number.saturating_sub(length) }
     }
 
     /// Where chunks begin, each of [`length`](Self::length).

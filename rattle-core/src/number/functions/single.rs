@@ -114,6 +114,7 @@ pub(in crate::number) fn sin_cos(x: f32) -> (f32, f32) {
     let r = (-k).mul_add(HALF_PI[1], (-k).mul_add(HALF_PI[0], far)) as f32;
     let square = r * r;
     let sine = (r * square).mul_add(polynomial(&SIN, square), r);
+    let sine = select(r == 0.0, r, sine); // the sign of zero
     let half = 0.5 * r;
     let most = (-half).mul_add(r, 1.0);
     let rest = (-half).mul_add(r, 1.0 - most); // exact
