@@ -2,10 +2,13 @@
 
 use crate::common::*;
 use rattle::bodies::One;
-use rattle::error::{EffectMistake, Error, StartFailure};
+use rattle::effect::{Acting, Effect, Moment};
+use rattle::error::{EffectMistake, Error, MethodFailure, StartFailure, StepFailure};
+use rattle::lanes::Lane;
 use rattle::links::RotationMatrix;
 use rattle::nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 use rattle::prelude::*;
+use rattle::real::Real;
 use rattle::system::System;
 
 constraint! {
@@ -169,4 +172,95 @@ fn torques_have_three_components() {
     let (stray, torque) = (end(0.8), end(0.0));
     let off = [0, 1].map(|i| (stray[i] - torque[i]).amax());
     assert!(off.iter().all(|off| *off < 1e-14), "{off:?}");
+}
+
+potential! {
+    /// A pendulum's weight, which rests where the third axis points up.
+    struct Hang { k }
+    |q: [[f64; 3]; 3]| k * (1 - q[2][2])
+}
+
+/// A torque about the first axis that has no potential.
+#[derive(Debug, Clone, Copy)]
+struct Motor(f64);
+
+/// The kind of effect that a motor is.
+struct Drives;
+
+impl Effect<9, Drives> for Motor {
+    type Acting<T: Real> = Self;
+    fn acting<T: Real>(&self) -> Self {
+        *self
+    }
+    type Swept<S: Lane, const L: usize> = [Self; L];
+    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> [Self; L] {
+        std::array::from_fn(|i| *lane(i))
+    }
+}
+
+impl<T: Real> Acting<T, 9> for Motor {
+    type Room = ();
+    fn room(&self, _: usize) {}
+    fn add_forces(&self, at: Moment<'_, T, 9>, (): &mut (), forces: &mut [[T; 9]]) {
+        for (q, force) in at.positions.iter().zip(forces) {
+            for row in [0, 3, 6] {
+                // Half of the torque by what the second axis is pushed, half by the third.
+                force[row + 1] = force[row + 1] + T::from_f64(0.5 * self.0) * q[row + 2];
+                force[row + 2] = force[row + 2] - T::from_f64(0.5 * self.0) * q[row + 1];
+            }
+        }
+    }
+    fn energy(&self, _: Moment<'_, T, 9>) -> T {
+        T::from_f64(0.0)
+    }
+}
+
+/// What torques give is energy: a body that begins to swing where its potential is rounded to more than it moves by, or
+/// that is turned by what has no potential, is no jump of the energy.
+#[test]
+fn what_torques_give_is_no_jump() {
+    fn swings(tilt: f64, h: f64) {
+        let scene = Scene::rigid(Rigid::new([1.0; 3])).with(Hang { k: 1.0 });
+        let attitude = Rotation3::from_axis_angle(&Vector3::x_axis(), tilt);
+        let start = || Rigid::start(attitude.matrix(), &Vector3::zeros());
+        let check = |method: &str, m: SVector<f64, 9>| {
+            let off = (m[0] + tilt * (4.0 * h).sin()).abs();
+            assert!(off < 1e-3 * tilt * h, "{method} of {h} from {tilt:e}: {m}");
+        };
+        let mut simulation = scene.simulate(start(), Dop853::new(h)).unwrap();
+        simulation.run(4).unwrap();
+        check("Dop853", simulation.momentum());
+        let mut simulation = scene.simulate(start(), Taylor::new(12, h)).unwrap();
+        simulation.run(4).unwrap();
+        check("Taylor", simulation.momentum());
+    }
+    for (tilt, h) in [(1e-8, 0.05), (1e-6, 5e-3), (1e-5, 1e-3), (1e-4, 1e-4)] {
+        swings(tilt, h);
+    }
+    let motor = Scene::rigid(Rigid::new(MOMENTS)).with(Motor(0.5));
+    let start = Rigid::start(&Matrix3::identity(), &Vector3::new(0.01, 0.0, 0.0));
+    let mut driven = motor.simulate(start, Dop853::new(0.1)).unwrap();
+    driven.run(10).unwrap();
+    assert!((driven.momentum()[0] - 0.51).abs() < 1e-12, "{}", driven.momentum());
+}
+
+potential! {
+    /// A ridge where the third axis is level.
+    struct Rise { height, width }
+    |q: [[f64; 3]; 3]| height * exp(-(q[2][2] / width)^2)
+}
+
+/// A jump of the energy is told of the body that has most of it.
+#[test]
+fn jumps_are_told_of_the_fastest() {
+    let scene = Scene::rigid(Rigid::new(MOMENTS)).bodies(2).with(Rise { height: 1.0, width: 0.1 });
+    let flank = Rotation3::from_axis_angle(&Vector3::x_axis(), 1.5);
+    let state = State::of([Matrix3::identity(), *flank.matrix()].map(|q| Rigid::coordinates(&q)));
+    let slow = [0.0, 0.02, 0.03, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let start = state.with_momenta([slow, [0.0; 9]]);
+    let error = scene.simulate(start, Dop853::new(0.45)).unwrap().step().unwrap_err();
+    let Error::Step { body, cause: StepFailure::Method(MethodFailure::EnergyJump { .. }), .. } = error else {
+        panic!("{error}");
+    };
+    assert_eq!(body, 1);
 }

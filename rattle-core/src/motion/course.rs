@@ -187,8 +187,8 @@ fn rests<T: Scalar, Y: System<T, D>, const D: usize>(
     h.abs() * speed <= ROUNDINGS * T::EPSILON * size
 }
 
-/// Whether accelerations at both ends of a step give what the kinetic energy changes by. Potentials whose terms cancel,
-/// at a minimum say, are rounded to more than they and a slow motion have.
+/// Whether forces at both ends of a step give what the kinetic energy changes by. Potentials whose terms cancel, at a
+/// minimum say, are rounded to more than they and a slow motion have.
 fn forces_gave<T: Scalar, Y: System<T, D>, const D: usize>(
     h: f64,
     system: &Y,
@@ -197,13 +197,15 @@ fn forces_gave<T: Scalar, Y: System<T, D>, const D: usize>(
     change: f64,
     taking_part: f64,
 ) -> bool {
-    let mut accelerations = vec![[T::from_f64(0.0); D]; now.q.as_ref().len()];
+    let mut pushes = vec![[T::from_f64(0.0); D]; now.q.as_ref().len()];
     // Along the constraints: what forces and constraints have in common across them is large, and cancels.
     let mut power = |bodies: &mut BodiesOf<Y, T, D>| {
         system.settle(0.0, h, bodies, &mut ()).ok()?;
-        system.accelerations(bodies, &mut accelerations).ok()?;
-        let each = bodies.p.as_ref().iter().zip(&accelerations);
-        Some(each.map(|(p, a)| dot(p, a).to_f64()).sum::<f64>())
+        system.pushes(bodies, &mut pushes).ok()?;
+        let each = bodies.p.as_ref().iter().zip(&pushes).enumerate();
+        // p·M⁻¹ṗ: of a rigid body q̈ is no rate of its momentum.
+        let powers = each.map(|(body, (p, push))| dot(p, &system.inertia().velocity(body, push)).to_f64());
+        Some(powers.sum::<f64>())
     };
     let mut there = now.clone();
     let last = power(&mut there);
@@ -233,7 +235,10 @@ fn account<T: Scalar, Y: System<T, D>, const D: usize>(
     if !jumped || rests(h, system, before, now) || forces_gave(h, system, before, now, is - was, was + is) {
         return Ok(());
     }
-    let energy = |body: usize| dot(&now.p.as_ref()[body], &system.velocity(now, body)).to_f64();
+    let energy = |body: usize| {
+        let p = &now.p.as_ref()[body];
+        dot(p, &system.inertia().velocity(body, p)).to_f64()
+    };
     let bodies = 0..now.p.as_ref().len();
     let body = bodies.fold(0, |most, body| if energy(body) > energy(most) { body } else { most });
     Err(Failure { body, cause: MethodFailure::EnergyJump { h, before: was, after: is, given }.into() })
