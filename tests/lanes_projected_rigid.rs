@@ -4,8 +4,10 @@
 use crate::lanes_projected::{end_as_alone, fast};
 use crate::lanes_rigid::{Field, start};
 use rattle::ensemble::InstructionSet;
+use rattle::error::{Error, MethodFailure, StepFailure};
 use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::prelude::*;
+use std::f64::consts::TAU;
 
 pub(crate) const MOMENTS: [f64; 3] = [0.6, 0.8, 1.0];
 
@@ -113,4 +115,51 @@ fn who_fails_touches_no_one_else() {
     }
     check(Dop853::new(0.1), true);
     check(Dop853::adaptive(0.1, 1e-9), false);
+}
+
+/// A step that leads an attitude so far astray that it could only be made a rotation of another sheet, or one half a
+/// turn away, is refused, by itself and [in lanes](end_as_alone).
+#[test]
+fn no_attitude_is_turned_over() {
+    fn check(moments: [f64; 3], momentum: [f64; 3], method: impl Method) {
+        let scene = Scene::rigid(Rigid::new(moments));
+        let start = |i: u32| {
+            let speed = if fast(i) { 1.0 } else { 0.05 };
+            Rigid::start(&Matrix3::identity(), &(speed * Vector3::from(momentum)))
+        };
+        let of = |numbers: &[u32], set| {
+            Ensemble::of(Double, &scene, numbers.iter().map(|&i| start(i)), method.clone(), set).unwrap()
+        };
+        let alone = |i| {
+            let error = scene.simulate(start(i), method.clone()).unwrap().step().unwrap_err();
+            let is = matches!(
+                error,
+                Error::Step { cause: StepFailure::Method(MethodFailure::NotProjected { .. }), .. }
+            );
+            assert!(is, "{error}");
+            error
+        };
+        end_as_alone(22, true, of, alone);
+    }
+    // Determinants of −1, and about one axis of 1.
+    check([1.28, 0.405, 0.92], [5.12, 0.38475, -1.472], Dop853::new(1.0));
+    check([0.37, 0.69, 0.94], [-0.444, 1.035, 1.88], Taylor::new(8, 1.0));
+    check([1.0; 3], [0.0, 0.0, 2.4], Taylor::new(2, 1.0));
+}
+
+/// About one axis a step of so low an order that is taken leads somewhere near to where the body turns.
+#[test]
+fn long_steps_are_not_half_a_turn_off() {
+    let (mut taken, mut worst) = (0, 0.0_f64);
+    for turn in (1..80).map(|i| 0.1 * f64::from(i)) {
+        let start = Rigid::start(&Matrix3::identity(), &Vector3::new(0.0, 0.0, turn));
+        let mut simulation = Scene::rigid(Rigid::new([1.0; 3])).simulate(start, Taylor::new(2, 1.0)).unwrap();
+        if simulation.step().is_ok() {
+            let q = simulation.position();
+            let off = (q[3].atan2(q[0]) - turn).rem_euclid(TAU);
+            (taken, worst) = (taken + 1, worst.max(off.min(TAU - off)));
+        }
+    }
+    println!("{taken} taken, {worst} off");
+    assert!(taken > 20 && worst < 0.7, "{taken} taken, {worst} off");
 }

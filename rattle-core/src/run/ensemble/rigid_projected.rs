@@ -22,7 +22,7 @@ use crate::run::ensemble::rigid_row::Nine;
 use crate::run::ensemble::rigid_stand::{Departs, Pulls, ROW, Stand};
 use crate::run::ensemble::track::{State, choose, put as put_there, state};
 use crate::systems::network::in_lanes::{Numbers, Which, any, at, zeros};
-use crate::systems::rigid::rotation::{CROOKED, deviation, product};
+use crate::systems::rigid::rotation::{CROOKED, deviation, has_rotation, product};
 
 /// Finds where the step leads a lane by itself from there.
 pub(super) type Apart<'a> = dyn FnMut(usize, &State<ROW>) -> Result<[Vec<f64>; 4], Stuck> + 'a;
@@ -110,7 +110,9 @@ impl<'a> Desk<'a> {
         let mut straight = [1; ROW];
         for (q, low) in q.as_chunks_mut().0.iter_mut().zip(q_low.as_chunks_mut().0) {
             for l in 0..ROW {
-                seeking[l] = if pace.takes(l) { MOVES } else { ARRIVED };
+                let place = at(q, l);
+                let seeks = if has_rotation(&place, &deviation(&place)) { MOVES } else { BY_ITSELF };
+                seeking[l] = if pace.takes(l) { seeks } else { ARRIVED };
                 distance.0[l] = Fused(f64::INFINITY);
             }
             for _ in 0..MOST_NEWTON_STEPS {

@@ -37,10 +37,15 @@ pub(crate) fn cross<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
     [component(1, 2), component(2, 0), component(0, 1)]
 }
 
+/// Row i.
+#[inline(always)]
+fn row<T: Copy>(matrix: &[T; 9], i: usize) -> [T; 3] {
+    from_fn(|j| matrix[3 * i + j])
+}
+
 /// The vector of QᵀX − XᵀQ, of matrices by rows: minus the sum of the cross products of their rows.
 #[inline(always)]
 pub(crate) fn turning<T: Scalar>(q: &[T; 9], x: &[T; 9]) -> [T; 3] {
-    let row = |matrix: &[T; 9], i: usize| -> [T; 3] { from_fn(|j| matrix[3 * i + j]) };
     let [a, b, c] = from_fn(|i| cross(&row(x, i), &row(q, i)));
     from_fn(|i| a[i] + b[i] + c[i])
 }
@@ -91,6 +96,19 @@ pub(crate) fn deviation<T: Scalar>(q: &[T; 9]) -> [T; 9] {
     let [zero, one] = [0.0, 1.0].map(T::from_f64);
     let (xy, xz, yz) = (off(0, 1, zero), off(0, 2, zero), off(1, 2, zero));
     [off(0, 0, one), xy, xz, xy, off(1, 1, one), yz, xz, yz, off(2, 2, one)]
+}
+
+/// Whether Q ← Q(3 − QᵀQ)/2 leads from here to the nearest rotation: the determinant is positive, and so is 3 − QᵀQ, as
+/// singular values beyond √3 change their signs.
+#[inline(always)]
+pub(crate) fn has_rotation<T: Scalar>(q: &[T; 9], deviation: &[T; 9]) -> bool {
+    let [zero, two] = [0.0, 2.0].map(T::from_f64);
+    let [a, ab, ac, _, b, bc, _, _, c] = *deviation;
+    let (a, b, c) = (a + two, b + two, c + two);
+    let second = a.multiply_add(b, -(ab * ab));
+    let third = dot(&[a, ab, ac], &cross(&[ab, b, bc], &[ac, bc, c]));
+    let determinant = dot(&row(q, 0), &cross(&row(q, 1), &row(q, 2)));
+    zero.lt(a) & zero.lt(second) & zero.lt(third) & zero.lt(determinant)
 }
 
 /// What rounding takes from xy.

@@ -27,7 +27,7 @@ use crate::systems::rigid::kept::Kept;
 use crate::systems::rigid::kept::Place;
 use crate::systems::rigid::kept::Turning;
 use crate::systems::rigid::rotation::{
-    CROOKED, Moments, deviation, one_over, product, share, too_fast, turn, turning,
+    CROOKED, Moments, deviation, has_rotation, one_over, product, share, too_fast, turn, turning,
 };
 use nalgebra::Vector3;
 use std::array::from_fn;
@@ -229,19 +229,20 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
         for number in 0..self.count.number() {
             let mut place = Place::of(bodies, number);
             let path = h.abs() * Vector3::from(place.m()).component_div(&self.body.inertia).norm();
-            let mut nearing = Nearing::leaving(1.0);
+            let (mut nearing, mut off) = (Nearing::leaving(1.0), deviation(place.q));
+            let leads = has_rotation(place.q, &off);
             loop {
-                let deviation = deviation(place.q);
-                let distance = largest(&deviation);
+                let distance = largest(&off);
                 let (arrived, lost) = nearing.look(distance, distance <= CROOKED, false);
-                if arrived {
-                    break;
-                }
-                if lost {
+                if lost || !leads {
                     let cause = MethodFailure::NotProjected { distance, path }.into();
                     return Err(Failure { body: number, cause });
                 }
-                place.straighten(&deviation);
+                if arrived {
+                    break;
+                }
+                place.straighten(&off);
+                off = deviation(place.q);
             }
         }
         self.evaluate_forces(bodies);
