@@ -191,3 +191,42 @@ fn free_coordinates_may_be_as_large_as_they_like() {
         }
     }
 }
+
+phase_constraint! {
+    /// An angular momentum in the plane, and what bends its fibres.
+    struct Spin { l }
+    |q: [f64; 2], p: [f64; 2]| q[0] * p[1] - q[1] * p[0] + (q[0] * p[0])^2 / l - l
+}
+hamiltonian! {
+    /// Springs along two axes, one twice as strong.
+    struct Springs { over, k }
+    |q: [f64; 2], p: [f64; 2]| over * dot(p, p) / 2 + k * (q[0]^2 + 2 * q[1]^2) / 2
+}
+
+/// Units of which squares are no numbers are units, too, in simulations and in lanes: in powers of two the motion is
+/// the same, bit for bit.
+#[test]
+fn squares_of_units_may_be_no_numbers() {
+    let scene =
+        |q: f64, p: f64| Scene::in_phase_space(Spin { l: 0.5 * q * p }, Springs { over: q / p, k: p / q });
+    let first = scene(1.0, 1.0).project(&State::at([1.0, 0.1]).moving([0.3, 0.5])).unwrap();
+    let [x, y, u, v] = point(&first, 1.0);
+    let end = |q: f64, p: f64| {
+        let start = || State::at([x * q, y * q]).moving([u * p, v * p]);
+        let mut alone = scene(q, p).simulate(start(), Rattle::new(0.05)).unwrap();
+        alone.run(10).unwrap();
+        let mut lanes = scene(q, p).ensemble(vec![start(); 3], Rattle::new(0.05)).unwrap();
+        lanes.run(10);
+        assert_eq!(lanes.failures().count(), 0, "q = {q:e}, p = {p:e}");
+        [alone.state(), lanes.state(1)].map(|end| {
+            let [x, y, u, v] = point(&end, q);
+            [x, y, u / p, v / p]
+        })
+    };
+    let ones = end(1.0, 1.0);
+    for (q, p) in [(-500, 500), (-538, 481), (-548, 471), (481, -538)] {
+        let found = end(2.0_f64.powi(q), 2.0_f64.powi(p));
+        let off = [0, 1].map(|i| apart(found[i], ones[i]));
+        assert_eq!(off, [0.0; 2], "q = 2^{q}, p = 2^{p}");
+    }
+}

@@ -160,7 +160,7 @@ fn weigh<const D: usize>(
         for part in 0..2 {
             // What is zero at first may move in the first pass. One that begins to later is lost.
             let motion = sizes[part][l].max(moved[part][l]);
-            let weight = Fused(1.0) / (motion * reach[part].max(motion)).sqrt();
+            let weight = Fused(1.0) / (motion.sqrt() * reach[part].max(motion).sqrt());
             weights[part][l] = Real::select(zero.lt(motion), weight, most);
             size[l] = size[l].max(motion * weights[part][l]);
         }

@@ -197,9 +197,9 @@ fn larger(a: &[f64; 2], b: &[f64; 2]) -> [f64; 2] {
 
 /// By what changes of coordinates, or of momenta, count: one over the root of how large they are times how large their
 /// motion along the fibre is. Where momenta move by a·q and coordinates by b·p, these are as √b and √a, so that changes
-/// of both count alike. That does not depend on units.
+/// of both count alike. That does not depend on units, whose squares may be no numbers.
 fn weight(motion: f64, reach: f64) -> f64 {
-    1.0 / (motion * reach.max(motion)).sqrt()
+    1.0 / (motion.sqrt() * reach.max(motion).sqrt())
 }
 
 /// The weight of what has not moved yet.
