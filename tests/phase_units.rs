@@ -230,3 +230,17 @@ fn squares_of_units_may_be_no_numbers() {
         assert_eq!(off, [0.0; 2], "q = 2^{q}, p = 2^{p}");
     }
 }
+
+/// Where all numbers are double, an ensemble in single precision refuses none of them.
+#[test]
+fn single_precision_is_double_here() {
+    let s = 1e60;
+    let end = |ensemble: Result<Ensemble<2>, Error>| {
+        let mut ensemble = ensemble.unwrap();
+        ensemble.run(4);
+        format!("{:?}", ensemble.state(2))
+    };
+    let starts = || vec![start(s, -1.0); 3];
+    let single = end(circle(s).ensemble_in(Single, starts(), Rattle::new(0.01)));
+    assert_eq!(single, end(circle(s).ensemble(starts(), Rattle::new(0.01))));
+}

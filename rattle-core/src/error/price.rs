@@ -26,8 +26,9 @@ pub enum PriceMistake {
     /// Trajectories of this scene do not go side by side by this method: an ensemble moves them one by one.
     #[error("trajectories go one by one here, and take as long as simulations")]
     OneByOne,
-    /// Linked and rigid bodies in lanes are computed in double precision, whatever is asked for.
-    #[error("linked and rigid bodies are computed in double precision")]
+    /// Linked and rigid bodies, and those in phase space, are computed in double precision in lanes, whatever is asked
+    /// for.
+    #[error("linked and rigid bodies, and those in phase space, are computed in double precision")]
     AlwaysDouble,
     /// Random forces: another step size gives another path, so there is no error to measure.
     #[error(

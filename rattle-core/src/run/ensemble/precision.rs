@@ -2,7 +2,7 @@
 
 use crate::number::lanes::{Fused, Lane};
 
-/// Double precision without compensated sums; the default.
+/// Double precision without compensated sums; the default. (In phase space sums are always compensated.)
 ///
 /// Each step rounds the position. For coordinates near 1 this rounding is biased, since doubles above 1 are twice as
 /// far apart as those below: on a unit sphere the energy grows by a relative 1e-17 in each step. [`Compensated`] has no
@@ -20,7 +20,7 @@ pub struct Compensated;
 /// Single precision, where seven digits are enough: half the memory, and a half to two thirds of the time.
 ///
 /// tan, ∛, powers, log₂, log₁₀, erf and inverse functions are evaluated in double precision. Linked and
-/// rigid bodies, and trajectories that do not go in lanes, are computed in double precision.
+/// rigid bodies, bodies in phase space, and trajectories that do not go in lanes, are computed in double precision.
 ///
 /// Where places and momenta keep close to one size, as on a unit sphere, their rounding has a bias: energies drift
 /// there by some 5e-9 of themselves in a step, so by 0.5 % in a million steps. Each step adds h v to a place and rounds

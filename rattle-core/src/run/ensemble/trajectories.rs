@@ -132,7 +132,7 @@ impl<const D: usize> Ensemble<D> {
     /// other, where there are lanes for them.
     #[allow(clippy::type_complexity, reason = "said once")]
     fn assembled<'a, C: Hold<D> + 'a, E: Effects<D> + 'a, N: Count + 'a, S: Method>(
-        [most, shortest]: [f64; 2],
+        limits: [f64; 2],
         next: &mut dyn FnMut() -> Option<(&'a Scene<C, E, N, D>, State<D>)>,
         method: S,
         set: InstructionSet,
@@ -140,6 +140,9 @@ impl<const D: usize> Ensemble<D> {
     ) -> Result<Self, Error> {
         let set = if set.is_present() { set } else { InstructionSet::Portable };
         let h = method.step_size();
+        // Others than those on surfaces are computed in double precision.
+        let on_surfaces = const { matches!(C::KIND, Kind::Other) };
+        let [most, shortest] = if on_surfaces { limits } else { [Double::MOST, Double::SHORTEST] };
         let mut lanes = HowInLanes::of(&method, shortest, set);
         let (groups, first, plan) = (Vec::new(), Vec::new(), Plan::default());
         let mut ensemble = Self { groups, first, len: 0, plan, no_way_back: None, h, steps: 0, set };
