@@ -134,7 +134,8 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Called before each flow that precedes a step, and after each flow that follows it. Neither allocates nor panics.
     fn take_note(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) {}
 
-    /// The properties of the flow.
+    /// The properties of the flow. They belong to the type: a sweep takes those of one scene for those of all, so they
+    /// must not depend on parameters.
     fn manner(&self) -> Manner {
         Manner { rule: Rule::Symmetric, feels: false, pushes: Self::PUSHES }
     }
