@@ -50,13 +50,13 @@ impl<const D: usize> Leap<D> {
     ) {
         let Self { kick, half, out, drift, end, change, .. } = self;
         let share = Fused(0.5 * h);
-        iterate(&Kick { laws, share, from }, &from.p, kick, going);
+        iterate(&Kick { laws, share, from }, &from.p, kick, RESTS, going);
         for l in 0..ROW {
             let half_way = sum(&at(&from.p, l), &at(kick, l));
             put(half, l, half_way);
             put(out, l, scaled(share, &laws.energy(l).gradients(&at(&from.q, l), &half_way).1));
         }
-        iterate(&Drift { laws, share, from: &from.q, half, out }, &from.q, drift, going);
+        iterate(&Drift { laws, share, from: &from.q, half, out }, &from.q, drift, RESTS, going);
         for l in 0..ROW {
             let (drift, half) = (at(drift, l), at(half, l));
             let place = sum(&at(&from.q, l), &drift);
@@ -67,7 +67,7 @@ impl<const D: usize> Leap<D> {
         }
     }
 
-    /// Where the step takes this small change of the points that it started from.
+    /// Where the step takes this small change of the points that it started from, in lanes that do not rest.
     #[inline(always)]
     pub(super) fn tangent<const M: usize>(
         &mut self,
@@ -80,13 +80,13 @@ impl<const D: usize> Leap<D> {
     ) {
         let Self { half, end, small: [kick, out], .. } = self;
         let share = Fused(0.5 * h);
-        iterate(&SmallKick { laws, share, from: &from.q, half, change }, &change.p, kick, going);
+        iterate(&SmallKick { laws, share, from: &from.q, half, change }, &change.p, kick, GOES, going);
         for l in 0..ROW {
             let (v, p) = (at(&change.q, l), at(kick, l));
             let rate = laws.energy(l).hessian_vector(&at(&from.q, l), &at(half, l), &v, &p).1;
             put(out, l, add_scaled(&v, share, &rate));
         }
-        iterate(&SmallDrift { laws, share, end, half, out, kick }, &change.q, &mut to.q, going);
+        iterate(&SmallDrift { laws, share, end, half, out, kick }, &change.q, &mut to.q, GOES, going);
         for l in 0..ROW {
             let (q, p) = (at(&to.q, l), at(kick, l));
             let rate = laws.energy(l).hessian_vector(&at(end, l), &at(half, l), &q, &p).0;
@@ -170,14 +170,17 @@ impl<X: Laws<D, M>, const D: usize, const M: usize> Equation<D> for SmallDrift<'
     }
 }
 
-/// Iterates from 0 in lanes that do not go by themselves, until each rests; `base` is what x is added to.
+/// Iterates from 0, until each rests, in lanes that [go](GOES), and where the `lowest` is [`RESTS`], in those that rest
+/// as well; `base` is what x is added to.
 #[inline(always)]
 fn iterate<const D: usize>(
     equation: &impl Equation<D>,
     base: &Vector<D>,
     x: &mut Vector<D>,
+    lowest: f64,
     going: &mut Each,
 ) {
+    let lowest = Fused(lowest);
     let [zero, goes, rests, by_itself] = [0.0, GOES, RESTS, BY_ITSELF].map(Fused);
     let [half, two, epsilon, rounding] = [0.5, 2.0, f64::EPSILON, ROUNDING].map(Fused);
     let [of_base, infinity] = [ROUNDING_OF_BASE, f64::INFINITY].map(Fused);
@@ -189,7 +192,7 @@ fn iterate<const D: usize>(
     let mut stuck = [[false; ROW]; D];
     let mut moved: Vector<D> = [ZEROS; D];
     for l in 0..ROW {
-        settling[l] = Real::select(zero.le(going[l]), goes, rests);
+        settling[l] = Real::select(lowest.le(going[l]), goes, rests);
     }
     *x = [ZEROS; D];
     for pass in 0..MOST_PASSES {
@@ -250,5 +253,81 @@ fn iterate<const D: usize>(
     for l in 0..ROW {
         let lost = settling[l].lt(zero);
         going[l] = Real::select(lost, by_itself, going[l]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::functions::PhaseConstraintKernel;
+
+    /// H = c q p; nothing is asked of its constraint.
+    #[derive(Clone)]
+    struct Product(f64);
+
+    type One = [Number; 1];
+
+    impl HamiltonianKernel<Number, 1> for Product {
+        fn value(&self, [q]: &One, [p]: &One) -> Number {
+            Fused(self.0) * *q * *p
+        }
+        fn gradients(&self, [q]: &One, [p]: &One) -> (One, One) {
+            ([Fused(self.0) * *p], [Fused(self.0) * *q])
+        }
+        fn hessian_vector(&self, _: &One, _: &One, dq: &One, dp: &One) -> (One, One) {
+            self.gradients(dq, dp)
+        }
+    }
+
+    impl PhaseConstraintKernel<Number, 1, 1> for Product {
+        fn value(&self, _: &One, _: &One) -> One {
+            [Fused(0.0)]
+        }
+        fn jacobians(&self, _: &One, _: &One) -> ([One; 1], [One; 1]) {
+            ([[Fused(0.0)]; 1], [[Fused(0.0)]; 1])
+        }
+        fn value_and_jacobians(&self, q: &One, p: &One) -> (One, [One; 1], [One; 1]) {
+            let (by_q, by_p) = self.jacobians(q, p);
+            ([Fused(0.0)], by_q, by_p)
+        }
+        fn hessian_vector(&self, q: &One, p: &One, _: &One, _: &One) -> ([One; 1], [One; 1]) {
+            self.jacobians(q, p)
+        }
+    }
+
+    impl Laws<1, 1> for Product {
+        type Constraint = Self;
+        type Energy = Self;
+
+        fn constraint(&self, _: usize) -> Self {
+            self.clone()
+        }
+        fn energy(&self, _: usize) -> Self {
+            self.clone()
+        }
+        fn copy(&mut self, _: usize, _: usize) {}
+    }
+
+    /// Where the iteration does not converge, lanes that take the step go by themselves: of small changes, those that
+    /// are still going.
+    #[test]
+    fn what_rests_is_asked_for_no_small_changes() {
+        let (mut leap, mut small, h) = (Leap::NONE, Points::ZERO, 1.0);
+        let point = Points { q: [[Fused(1.0); ROW]], p: [[Fused(1.0); ROW]] };
+        let begun = || {
+            let mut going = [Fused(RESTS); ROW];
+            (going[3], going[5]) = (Fused(GOES), Fused(BY_ITSELF));
+            going
+        };
+        for (c, of_leap, of_small) in
+            [(0.5, [RESTS, GOES], [RESTS, GOES]), (4.0, [BY_ITSELF; 2], [RESTS, BY_ITSELF])]
+        {
+            let mut going = begun();
+            leap.leap(&Product(c), h, &point, &mut going);
+            assert_eq!([going[0].0, going[3].0, going[5].0], [of_leap[0], of_leap[1], BY_ITSELF]);
+            let mut going = begun();
+            leap.tangent(&Product(c), h, &point, &point, &mut small, &mut going);
+            assert_eq!([going[0].0, going[3].0, going[5].0], [of_small[0], of_small[1], BY_ITSELF]);
+        }
     }
 }
