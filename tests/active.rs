@@ -343,3 +343,17 @@ fn no_number_is_drawn_twice() {
     assert_eq!([drawn(Rattle::new(0.1)), drawn(Baoab::new(0.1))], [[20, 20]; 2]);
     assert_eq!(drawn(Brownian::new(1.0, 1.0, 7, 0.1)), [20, 10]);
 }
+
+/// A heading that no start can have is refused with the number of that start, as what else is wrong with starts is.
+#[test]
+fn the_start_without_a_heading_is_named() {
+    let swimmers = SelfPropulsion::new(1.0, 0.5, 7).headed([[0.0, 0.0, 1.0]]);
+    let scene = Scene::on(Sphere { r: 1.0 }).with(swimmers);
+    let start = |i: u32| {
+        let height = if i == 37 { 1.0 } else { 0.5 };
+        State::at([f64::sqrt(1.0 - height * height), 0.0, height])
+    };
+    let alone = scene.simulate(start(37), Rattle::new(0.01)).unwrap_err();
+    let error = scene.ensemble((0..100).map(start), Rattle::new(0.01)).unwrap_err();
+    assert_eq!(error, rattle::Error::Trajectory { trajectory: 37, error: Box::new(alone) });
+}

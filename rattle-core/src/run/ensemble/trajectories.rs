@@ -194,7 +194,8 @@ impl<const D: usize> Ensemble<D> {
             }
             ensemble.plan.leave(scenes.len(), why);
             for ((scene, system), start) in scenes.into_iter().zip(ready).zip(&starts) {
-                let simulation = scene.begin(system, start, method.clone(), ensemble.len as u64)?;
+                let simulation = scene.begin(system, start, method.clone(), ensemble.len as u64);
+                let simulation = simulation.map_err(|error| ensemble.refused(0, error))?;
                 ensemble.push(Box::new(Alone::new(simulation)));
             }
         }
