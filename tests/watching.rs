@@ -426,3 +426,18 @@ fn each_hands_on_multipliers_and_failures() {
     let error = run.observe(100, 10, &mut Each::of(Full::default)).unwrap_err();
     assert_eq!((error.to_string().contains("disk full"), run.steps()), (true, 30));
 }
+
+/// Rows of a trajectory are of one scene: what differs in another is named, its bodies or their coordinates.
+#[test]
+fn trajectories_name_what_does_not_fit() {
+    let mut path = Trajectory::new();
+    let start = || State::of([[0.0, 1.0], [0.0, 2.0]]);
+    let mut plane = Scene::points(2).simulate(start(), Rattle::new(0.1)).unwrap();
+    plane.observe(2, 1, &mut path).unwrap();
+    let mut more = Scene::points(3).simulate(State::of([[0.0; 2]; 3]), Rattle::new(0.1)).unwrap();
+    let error = more.observe(1, 1, &mut path.clone()).unwrap_err().to_string();
+    assert!(error.contains("of 2 bodies, and here are 3"), "{error}");
+    let mut space = Scene::points(2).simulate(State::of([[0.0; 3]; 2]), Rattle::new(0.1)).unwrap();
+    let error = space.observe(1, 1, &mut path).unwrap_err().to_string();
+    assert!(error.contains("2 coordinates") && error.contains("3"), "{error}");
+}

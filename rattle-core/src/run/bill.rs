@@ -26,7 +26,8 @@ const SAMPLE: Duration = Duration::from_micros(400);
 pub struct Bill {
     /// Nanoseconds per step.
     pub step: f64,
-    /// The parts that are measured separately, and the rest; their sum is the step.
+    /// The parts that are measured separately, and at last the rest of the step. Where parts by themselves take longer
+    /// than in the step, which does several at once, the rest is 0, and their sum is more than the step.
     pub items: Vec<Item>,
     /// The number of bodies.
     pub bodies: usize,

@@ -12,7 +12,8 @@ use nalgebra::SVector;
 ///
 /// Positions and momenta have the shape [rows, bodies, D], with the last index fastest, as NumPy arrays and pages take
 /// it. For an ensemble use one for each trajectory, by [`Each`](crate::run::watch::Each). Rows have one shape: a run of
-/// another number of bodies ends with [`Error::Recorder`], and to join trajectories of several sizes is a panic.
+/// another number of bodies or coordinates ends with [`Error::Recorder`], and to join trajectories of several sizes is
+/// a panic.
 ///
 /// ```
 /// # use rattle::{Rattle, Scene, State, Trajectory};
@@ -143,7 +144,11 @@ impl<const D: usize> Observer<D> for Trajectory {
             row(before, self);
         }
         if [self.bodies, self.coordinates] != [now.positions.len(), D] {
-            let why = format!("they are of {} bodies, and here are {}", self.bodies, now.positions.len());
+            let why = if self.bodies == now.positions.len() {
+                format!("places in them have {} coordinates, and here {D}", self.coordinates)
+            } else {
+                format!("they are of {} bodies, and here are {}", self.bodies, now.positions.len())
+            };
             self.failure = Some(Error::Recorder { rows: self.times.len() as u64, why });
             return;
         }
@@ -167,10 +172,10 @@ impl<const D: usize> Observer<D> for Trajectory {
             return;
         }
         let fits = self.times.is_empty() || self.shape()[1..] == [next.bodies, next.coordinates];
-        let both = [self.bodies, next.bodies];
+        let both = [[self.bodies, self.coordinates], [next.bodies, next.coordinates]];
         assert!(
             fits,
-            "trajectories of {both:?} bodies have no common shape: take `Each::of(Trajectory::new)`"
+            "trajectories of {both:?} bodies and coordinates have no common shape: take `Each::of(Trajectory::new)`"
         );
         (self.bodies, self.coordinates) = (next.bodies, next.coordinates);
         if let Some(rows) = &mut self.multipliers {
