@@ -312,6 +312,31 @@ fn coefficients_that_are_no_composition_are_refused() {
     assert_eq!(error, Error::MomentumCount { bodies: 1, momenta: 2 });
 }
 
+/// Momenta are counted as far as it takes: those of a vector all, those of an iterator without end until there is one
+/// too many. Other momenta in their place are other momenta.
+#[test]
+fn momenta_are_counted_no_further_than_needed() {
+    let two = || State::of([[0.0, 0.0], [1.0, 0.0]]);
+    let scene = Scene::points(2);
+    let refused = |state: State<2>| scene.simulate(state, Rattle::new(0.1)).unwrap_err();
+    let mut drawn = 0;
+    let endless = std::iter::repeat_with(|| {
+        drawn += 1;
+        [0.0, f64::from(drawn)]
+    });
+    let error = refused(two().with_momenta(endless));
+    assert_eq!(error, Error::MomentumCount { bodies: 2, momenta: 3 });
+    assert!(error.to_string().contains("at least 3") && drawn <= 3, "{error} {drawn}");
+    let many = refused(two().with_momenta(vec![[0.0; 2]; 7]));
+    assert_eq!(many, Error::MomentumCount { bodies: 2, momenta: 7 });
+    let few = refused(two().with_momenta([[0.0; 2]]));
+    assert_eq!(few.to_string(), "the state has 2 bodies and was given 1 momentum");
+
+    let again = two().with_momenta([[5.0; 2]]).moving([1.0, 0.0]);
+    let run = scene.simulate(again, Rattle::new(0.1)).unwrap();
+    assert!(run.momenta().all(|p| (p.x, p.y) == (1.0, 0.0)));
+}
+
 /// On a surface as in a network of one: normal, and with the weight what turns the velocity.
 #[test]
 fn constraint_forces_of_a_surface() {

@@ -167,14 +167,15 @@ pub enum Error {
 
     /// The state was given more momenta than it has bodies, or fewer.
     #[error(
-        "the state has {} and was given {}",
+        "the state has {} and was given {}{}",
         many(*bodies, "body", "bodies"),
+        if momenta > bodies { "at least " } else { "" },
         many(*momenta, "momentum", "momenta")
     )]
     MomentumCount {
         /// Bodies of the state.
         bodies: usize,
-        /// Momenta given.
+        /// Momenta given; one more than bodies, where it is not known how many more there are.
         momenta: usize,
     },
 

@@ -63,7 +63,7 @@ pub struct State<const D: usize> {
     pub(crate) steps: u64,
     /// The number of the trajectory, if it was given one.
     pub(crate) number: Option<u64>,
-    /// How many momenta were given, if not one for each body.
+    /// How many momenta were given, at least, if not one for each body.
     pub(crate) other_momenta: Option<usize>,
 }
 
@@ -93,12 +93,13 @@ impl<const D: usize> State<D> {
         for body in &mut self.bodies {
             (body.p, body.p_low) = (p, [0.0; D]);
         }
-        self.remembered = None;
+        (self.remembered, self.other_momenta) = (None, None);
         self
     }
 
     /// The same state with these momenta, one for each body, in their order. A list of another length is refused when
-    /// the simulation is made.
+    /// the simulation is made. No more than one too many is asked for: of momenta without end `take` as many as there
+    /// are bodies.
     #[must_use]
     pub fn with_momenta<P: Coordinates<D>>(mut self, momenta: impl IntoIterator<Item = P>) -> Self {
         let mut momenta = momenta.into_iter();
@@ -107,7 +108,11 @@ impl<const D: usize> State<D> {
             (body.p, body.p_low) = (p.coordinates(), [0.0; D]);
             given += 1;
         }
-        given += momenta.count();
+        let others = match momenta.size_hint() {
+            (others, Some(most)) if others == most => others,
+            _ => momenta.take(1).count(), // maybe without end
+        };
+        given = others.saturating_add(given);
         self.remembered = None;
         self.other_momenta = (given != self.bodies.len()).then_some(given);
         self
