@@ -1,9 +1,13 @@
-//! Impacts that are hard to find: of gaps that are rounded much more coarsely than places are, and behind a near miss
-//! within one step.
+//! Impacts that are hard to find: of gaps that are rounded much more coarsely than places are, behind a near miss
+//! within one step, and in steps that are taken in parts.
 
-use rattle::effect::{HardSpheres, Stop};
+use rattle::effect::{Contacts, DryFriction, HardSpheres, LinearDrag, Stop};
+use rattle::error::StepFailure;
 use rattle::potentials::Gravity;
 use rattle::prelude::*;
+use rattle::surfaces::{Plane, Sphere};
+use rattle::system::System;
+use rattle::{Counted, Error, Geodesic};
 
 constraint! {
     /// Above a round hill whose top is the origin: the gap is a small difference of squares of its radius.
@@ -100,4 +104,151 @@ fn balls_start_on_hills_of_any_size() {
         }
         assert!(under > 10, "{r}: only {under} start below 0");
     }
+}
+
+/// A step of one stage that is taken in parts is as long as all of them: two beads go once round the other side of a
+/// circle in it, and a third up through a ceiling and down again.
+#[test]
+fn steps_that_are_taken_in_parts_are_looked_at() {
+    let sphere = Scene::on(Sphere { r: 1.0 });
+    let beads = sphere.bodies(2);
+    let at = |a: f64, v: f64| ([a.cos(), a.sin(), 0.0], [-a.sin() * v, a.cos() * v, 0.0]);
+    let [(q, p), (r, s)] = [at(0.0, 1.0), at(1.0, -1.0)];
+    let start = || State::of([q, r]).with_momenta([p, s]);
+    let run = |h: f64, halvings: u32, steps: u64| {
+        let beads = beads.simulate(start(), Rattle::new(h)).unwrap().retry(halvings);
+        let mut beads = beads.collide(HardSpheres::new(0.1)).unwrap();
+        beads.run(steps).unwrap();
+        beads.events()
+    };
+    assert_eq!([run(0.05, 0, 38), run(1.9, 1, 1), run(1.9, 6, 1)], [1; 3]);
+
+    fn below() -> impl Contacts<3> {
+        Stop::below(Plane { a: 0.0, b: 0.0, c: 1.0, d: 0.9 })
+    }
+    let up = || State::at([1.0, 0.0, 0.0]).moving([0.0, 0.0, 1.0]);
+    fn events<S: Method>(bead: Result<Simulation<impl System<f64, 3>, S, 3>, Error>) -> u64 {
+        let mut bead = bead.unwrap().retry(6).collide(below()).unwrap();
+        bead.step().unwrap();
+        let z = bead.positions().next().unwrap().z;
+        assert!(z <= 0.9 + 1e-14, "{z}");
+        bead.events()
+    }
+    let mut short = sphere.simulate(up(), Rattle::new(0.055)).unwrap().collide(below()).unwrap();
+    short.run(100).unwrap();
+    assert_eq!(short.events(), 1);
+    assert_eq!(events(sphere.simulate(up(), Rattle::new(5.5))), 1);
+    assert_eq!(events(sphere.simulate(up(), Geodesic::new(2, 5.5))), 1);
+    assert_eq!(events(sphere.simulate(up(), Composition::new(SUZUKI_1990_ORDER_4, 5.5))), 1);
+    let checked = sphere.simulate(up(), Rattle::new(5.5)).unwrap().check_reversal(1e-13);
+    assert_eq!(events(checked), 1);
+}
+
+/// What friction holds on a slope goes nowhere, and nothing is looked for in parts of its steps; nor where a `force!`
+/// holds a weight, or drag its speed.
+#[test]
+fn looking_at_what_is_held_costs_no_parts() {
+    force! {
+        /// Up, against the weight.
+        struct Lift { f }
+        |_q: [f64; 3], _v: [f64; 3]| [0, 0, f]
+    }
+    let slope = Plane { a: 0.5, b: 0.0, c: 0.75_f64.sqrt(), d: 0.0 };
+    let far = || Stop::above(Plane { a: 1.0, b: 0.0, c: 0.0, d: -1e4 });
+    macro_rules! cost {
+        ($scene:expr, $start:expr, $method:expr) => {{
+            let mut weights = Vec::new();
+            for walled in [false, true] {
+                let weight = Counted::new(Gravity { g: 9.81 });
+                let counts = weight.counts();
+                let mut run = $scene(weight).simulate($start, $method).unwrap();
+                if walled {
+                    run = run.collide(far()).unwrap();
+                }
+                counts.reset();
+                run.run(20).unwrap();
+                weights.push(counts.gradients());
+            }
+            let [free, walled] = weights[..] else { panic!("{weights:?}") };
+            assert!(walled <= 3 * free + 20, "{}: {walled} for {free}", $method.name());
+        }};
+    }
+    macro_rules! all {
+        ($method:expr) => {
+            let friction = |weight| Scene::on(slope).with(weight).with(DryFriction { coefficient: 0.6 });
+            cost!(friction, State::at([0.0; 3]), $method);
+            cost!(friction, State::at([30.0 * slope.c, 2.0, -15.0]), $method);
+            let lift = |weight| Scene::point().with(weight).with(Lift { f: 9.81 });
+            cost!(lift, State::at([0.0; 3]), $method);
+            cost!(lift, State::at([0.3, 0.2, 0.1]), $method);
+            let drag = |weight| Scene::point().with(weight).with(LinearDrag::new(10.0));
+            cost!(drag, State::at([0.0; 3]).moving([0.0, 0.0, -0.981]), $method);
+        };
+    }
+    all!(Lobatto::<3>::new(0.05));
+    all!(Geodesic::new(3, 0.05));
+    all!(PositionVerlet::new(0.05));
+    all!(Composition::new(SUZUKI_1990_ORDER_4, 0.05));
+}
+
+/// A step that is divided because it does not lead back is looked at in the parts in which it went, and no finer.
+#[test]
+fn looking_at_parts_that_do_not_lead_back_ends() {
+    let weight = Counted::new(Gravity { g: 1.0 });
+    let counts = weight.counts();
+    let scene = Scene::on(Sphere { r: 1.0 }).with(weight);
+    let bead = scene.simulate(State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]), Rattle::new(0.7)).unwrap();
+    // No way leads back to a thousandth of a rounding.
+    let bead = bead.retry(6).check_reversal(1e-19).unwrap();
+    let mut bead = bead.collide(Stop::above(Plane { a: 1.0, b: 0.0, c: 0.0, d: -10.0 })).unwrap();
+    counts.reset();
+    let error = bead.step().unwrap_err();
+    assert!(matches!(error, Error::NotReversed { .. }), "{error}");
+    assert!(counts.gradients() < 8 * 128, "{}", counts.gradients());
+}
+
+constraint! {
+    /// A roof that hardly falls.
+    struct Flat {}
+    |x, _y, z| z + 0.1 * abs(x)
+}
+potential! {
+    /// No body comes near the ridge.
+    struct Barrier {}
+    |x, _y, _z| 0.1 / x^2
+}
+
+/// A long step goes over a ridge that shorter ones turn back from: it is divided, whether or not something may collide.
+#[test]
+fn a_step_over_a_kink_is_divided_beside_contacts() {
+    let scene = Scene::on(Flat {}).with(Barrier {});
+    let run = || {
+        let start = State::at([-1.0, 0.0, -0.1]).moving([1.0, 0.0, 0.1]);
+        scene.simulate(start, Rattle::new(2.0)).unwrap().retry(6)
+    };
+    let mut free = run();
+    free.run(10).unwrap();
+    let far = Plane { a: 0.0, b: 0.0, c: 1.0, d: -1e3 };
+    let mut walled = run().collide(Stop::above(far)).unwrap();
+    walled.run(10).unwrap();
+    assert_eq!((walled.position(), walled.momentum()), (free.position(), free.momentum()));
+    assert!(free.position().x < 0.0);
+}
+
+/// What was not halved is not told as if it had been.
+#[test]
+fn what_comes_to_rest_was_not_halved() {
+    let floor = Plane { a: 0.0, b: 0.0, c: 1.0, d: 0.0 };
+    let scene = Scene::point().with(Gravity { g: 1.0 });
+    let lying = scene.simulate(State::at([0.0; 3]), Rattle::new(0.1)).unwrap().retry(6);
+    let error = lying.collide(Stop::above(floor)).unwrap().step().unwrap_err();
+    assert!(matches!(error, Error::Step { cause: StepFailure::Rests { .. }, .. }), "{error}");
+
+    // What was is, beside contacts as alone.
+    let start = State::at([-1.0, 0.0, -0.1]).moving([1.0, 0.0, 0.1]);
+    let run = || Scene::on(Flat {}).simulate(start.clone(), Rattle::new(0.3)).unwrap().retry(3);
+    let error = run().run(9).unwrap_err();
+    let beside = run().collide(Stop::above(Plane { d: -9.0, ..floor })).unwrap().run(9).unwrap_err();
+    assert!(matches!(error, Error::Retried { halvings: 3, .. }), "{error}");
+    assert_eq!(error, beside);
 }

@@ -411,7 +411,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         met.map_err(|mut trouble| {
             self.put_back();
             self.explain(&mut trouble);
-            trouble.told(self.steps + 1, self.time(), halvings)
+            trouble.told(self.steps + 1, self.time())
         })
     }
 
@@ -433,10 +433,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             Stretch { system, method, bodies, start, noise, aside, witness, heard, halvings, flows, parts };
         let number = match flows {
             true => {
-                let in_parts =
-                    |failure: &Failure| most > 0 && !matches!(failure.cause, StepFailure::Kink { .. });
-                let went = went.filter(|went| !matches!(went, Err(Trouble::Failed(by)) if in_parts(by)));
-                let went = went.unwrap_or_else(|| stretch.go(method.step_size().abs()));
+                // An edge that is to be crossed is found in the whole step.
+                let whole = |failure: &Failure| {
+                    most == 0 || (search.over_kinks && matches!(failure.cause, StepFailure::Kink { .. }))
+                };
+                let stands = |went: &Result<(), Trouble>| !matches!(went, Err(Trouble::Failed { failure, .. }) if !whole(failure));
+                let went = went.filter(stands).unwrap_or_else(|| stretch.go(method.step_size().abs()));
                 meet(search, &mut stretch, went)
             }
             false => stretch.between_flows(|stretch, went| meet(search, stretch, went)),
@@ -480,12 +482,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             }
         }
         self.explain(&mut trouble);
-        Err(trouble.told(self.steps + 1, self.time(), tried))
+        Err(trouble.halved(tried).told(self.steps + 1, self.time()))
     }
 
     /// Where bodies could not be moved for a reason that a kink can have, looks for one.
     fn explain(&mut self, trouble: &mut Trouble) {
-        if let Trouble::Failed(failure) = trouble
+        if let Trouble::Failed { failure, .. } = trouble
             && failure.may_be_of_a_kink()
         {
             self.look_for_kinks(failure);

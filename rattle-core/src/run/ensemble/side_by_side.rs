@@ -324,7 +324,7 @@ impl<const D: usize> SideBySide<D> {
                 Err(again) => trouble = again,
             }
         }
-        Err(trouble.told(self.steps + 1, self.time(lane).0, self.halvings))
+        Err(trouble.halved(self.halvings).told(self.steps + 1, self.time(lane).0))
     }
 
     /// The time of a trajectory, and what rounding took from it.

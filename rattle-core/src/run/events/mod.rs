@@ -188,7 +188,11 @@ impl<const D: usize> Search<D> {
         let [.., start, end] = &mut *stretch.aside;
         stretch.system.put_aside(stretch.start, start);
         stretch.system.put_aside(stretch.bodies, end);
-        let least = stretch.bodies.inner_steps().div_ceil(FEW_INNER).clamp(2, MOST_PARTS).ilog2();
+        // In halves at least as often as the whole, and no more often: parts are as short as those it went in.
+        let (inner, gone) = (stretch.bodies.inner_steps().div_ceil(FEW_INNER), stretch.parts());
+        let least = inner.saturating_mul(gone).clamp(2, MOST_PARTS).ilog2();
+        let most = *stretch.halvings.end();
+        let halvings = std::mem::replace(&mut stretch.halvings, 0..=most);
         let last = (least + SHORTENED).min(MOST_PARTS.ilog2()).max(least);
         for halved in least..=last {
             let part = length / f64::from(1_u32 << halved);
@@ -209,10 +213,12 @@ impl<const D: usize> Search<D> {
             }
             let went = stretch.go(part);
             if let Some((event, after)) = self.first_in_one(stretch, part, went, false)? {
+                stretch.halvings = halvings;
                 return Ok(Some((event, f64::from(number) * part + after)));
             }
         }
         self.meetings.noises.truncate(known);
+        stretch.halvings = halvings;
         stretch.begin_again(noise);
         stretch.system.put_back(stretch.bodies, &stretch.aside[3]);
         (stretch.bodies.noise, stretch.parts) = (noise_at_end, gone_in);

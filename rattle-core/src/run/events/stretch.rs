@@ -44,6 +44,16 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
         self.method.step_size().signum()
     }
 
+    /// In how many parts the last try went.
+    pub(super) fn parts(&self) -> u32 {
+        self.parts.unwrap_or(1)
+    }
+
+    /// In how many inner steps of the method it went, if each part took as many as the last.
+    pub(super) fn inner_steps(&self) -> u32 {
+        self.bodies.inner_steps().saturating_mul(self.parts())
+    }
+
     /// Goes this far from the start: in one step, or in parts if that is allowed and needed. The method remembers
     /// nothing of what was before.
     pub(in crate::run) fn go(&mut self, length: f64) -> Result<(), Trouble> {
@@ -55,7 +65,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
             }
             went = self.go_in_parts(length, 1 << halved);
         }
-        went
+        went.map_err(|trouble| trouble.halved(most))
     }
 
     /// Has flows that draw random numbers act before the whole step and after it, and events meet between: a contact
