@@ -252,3 +252,48 @@ fn what_comes_to_rest_was_not_halved() {
     assert!(matches!(error, Error::Retried { halvings: 3, .. }), "{error}");
     assert_eq!(error, beside);
 }
+
+constraint! {
+    /// A sphere that grows.
+    struct Growing {}
+    |x, y, z, t| x^2 + y^2 + z^2 - (1 + t)^2
+}
+constraint! {
+    /// A table that rises.
+    struct Rising {}
+    |_x, _y, z, t| z - t
+}
+
+/// A body that a sphere takes along, as that grows, meets a ball around it: it cannot part, wherever it is. What
+/// rounding leaves of a direction in which it could is none.
+#[test]
+fn what_cannot_part_from_a_curved_wall_is_told() {
+    let scene = Scene::points(1).link_moving(Growing {}, [[0]]);
+    for number in 0..200 {
+        let (height, angle) = ((f64::from(number) + 0.5) / 100.0 - 1.0, 2.4 * f64::from(number));
+        let (flat, [sin, cos]) = ((1.0 - height * height).sqrt(), [angle.sin(), angle.cos()]);
+        let (q, along) = ([flat * cos, flat * sin, height], [-sin, cos, 0.0]);
+        let v: [f64; 3] = std::array::from_fn(|i| q[i] + 0.3 * along[i]);
+        let start = scene.project(&State::at(q).moving(v)).unwrap();
+        let run = scene.simulate(start, Rattle::new(0.1)).unwrap().retry(3);
+        let mut run = run.collide(Stop::below(Sphere { r: 1.45 })).unwrap();
+        let error = run.run(8).unwrap_err();
+        assert!(
+            matches!(&error, Error::Step { cause: StepFailure::NoWayApart { .. }, .. }),
+            "{number}: {error}"
+        );
+        assert_eq!((run.steps(), run.events()), (4, 0), "{number}");
+    }
+    // One that gives way a little parts, with the speed at which it met: 1 along the normal of a wall that is askew.
+    for askew in [1e-1_f64, 1e-3, 1e-5, 1e-6] {
+        let scene = Scene::points(1).link_moving(Rising {}, [[0]]);
+        let run = scene.simulate(State::at([0.0; 3]).moving([0.0, 0.0, 1.0]), Rattle::new(0.1)).unwrap();
+        let ceiling = Plane { a: askew.sin(), b: 0.0, c: askew.cos(), d: 0.45 * askew.cos() };
+        let mut run = run.collide(Stop::below(ceiling)).unwrap();
+        run.run(5).unwrap();
+        let v = run.momenta().next().unwrap();
+        // a v + c = −c
+        let exact = -2.0 * askew.cos() / askew.sin();
+        assert!((v.x / exact - 1.0).abs() < 1e-3 && v.y == 0.0 && (v.z - 1.0).abs() < 1e-12, "{askew}: {v}");
+    }
+}

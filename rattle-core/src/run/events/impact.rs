@@ -15,6 +15,9 @@ use crate::run::events::stretch::Stretch;
 use crate::run::trouble::Trouble;
 use std::array::from_fn;
 
+/// So many roundings of the terms of w·∇gap are none: less is left where ∇gap is a normal of the constraints to 1e-7.
+const ROUNDINGS: f64 = 16.0;
+
 /// Takes all impacts at the present place, at most so many; says how many.
 pub(super) fn impacts<Y: System<f64, D>, S: Method, const D: usize>(
     meetings: &mut Meetings<D>,
@@ -76,7 +79,7 @@ fn impact<Y: System<f64, D>, S: Method, const D: usize>(
     // The same few places are met again and again: the last bit of an impulse would not average out.
     let (mut along, mut square) = (Twofold::default(), Twofold::default());
     let (mut closes, mut answer) = (Twofold::default(), Twofold::default());
-    let inertia = system.inertia();
+    let (inertia, mut terms) = (system.inertia(), 0.0);
     for body in 0..bodies.p.as_ref().len() {
         let mut w = bodies.p.as_ref()[body];
         if moves {
@@ -96,6 +99,7 @@ fn impact<Y: System<f64, D>, S: Method, const D: usize>(
             if !plain {
                 let u =
                     column.iter().zip(&gradient).fold(Twofold::default(), |u, (m, n)| u.plus_product(*m, *n));
+                terms += u.high.abs();
                 closes = closes.plus_multiple(p[i], u).plus_product(p_low[i], u.high);
                 answer = answer.plus_multiple(w[i], u);
             }
@@ -104,7 +108,7 @@ fn impact<Y: System<f64, D>, S: Method, const D: usize>(
     if plain {
         (closes, answer) = (along, square);
     }
-    if answer.high <= 0.0 {
+    if answer.high <= ROUNDINGS * f64::EPSILON * terms * (scale * steep + given) {
         return Err(meetings.gives_no_way(which).into());
     }
     let e = meetings.kinds[which.kind].restitution();
