@@ -159,6 +159,15 @@ fn points_apart() {
     assert!(matches!(error, PointsError::Full { number: 200, .. }), "{error}");
 }
 
+/// Where few lines meet a surface, and none of their points was too near to another, a smaller distance is no help.
+#[test]
+fn points_apart_in_a_large_box() {
+    for distance in [0.0, 1e-9] {
+        let error = apart(&Sphere { r: 1.0 }, [-40.0; 3], [40.0; 3], 50, distance, 2).unwrap_err();
+        assert!(matches!(error, PointsError::NotMet { found: 1.., number: 50, .. }), "{error}");
+    }
+}
+
 /// Momenta of Maxwell's distribution: tangent, and ½kT for each independent one, also of a chain with masses.
 #[test]
 fn momenta_of_a_temperature() {

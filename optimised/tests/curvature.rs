@@ -211,6 +211,19 @@ fn curves_and_spheres_of_three_dimensions() {
 }
 
 /// Where there is no normal there is NaN, and not an endless iteration.
+/// Only the direction of v counts, be its square a number or not.
+#[test]
+fn curvatures_along_vectors_of_any_length() {
+    let egg = Ellipsoid { a: 1.0, b: 1.5, c: 0.7 };
+    let (q, v) = (vector![0.6, 0.0, 0.56], vector![0.3, -0.7, 0.2]);
+    let exact = egg.normal_curvature(&q, &v);
+    for length in [1e-300, 1e-170, 1e-160, 1e-3, 1e150, 1e200, 1e307] {
+        let off = egg.normal_curvature(&q, &(v * length)) - exact;
+        assert!(off.abs() < 1e-14 * exact, "{length:e}: {off:e}");
+    }
+    assert!(egg.normal_curvature(&q, &vector![0.0, 0.0, 0.0]).is_nan());
+}
+
 #[test]
 fn singular_points_have_no_curvature() {
     let (cone, apex) = (Hyperboloid { a: 1.0, c: 1.0 }, Point::zeros());

@@ -39,7 +39,8 @@ pub trait Curvature<const D: usize>: Constraint<D, 1> {
         let gradient = self.jacobian(q).transpose();
         let steepness = gradient.norm();
         let normal = gradient / steepness;
-        let tangent = v - normal * normal.dot(v);
+        let v = v / v.amax(); // its square may leave the floats
+        let tangent = v - normal * normal.dot(&v);
         if tangent.norm() <= ROUNDING * v.norm() {
             return f64::NAN; // what rounding has left of v has any direction
         }

@@ -70,7 +70,7 @@ impl Measure {
 
 /// Area and total curvature of the closed surface g = 0 inside the box from `low` to `high`.
 ///
-/// `lines` is the number of grid cells along the longest side of the box; g is evaluated lines³ times or less.
+/// `lines` is the number of grid cells along the longest side of the box; g is evaluated (lines + 1)³ times or less.
 ///
 /// # Errors
 /// Those of [`integrate`], and [`IntegralError::Edge`] where the normal jumps: ∫ K dA lacks what the surface turns by
@@ -130,9 +130,9 @@ fn edge<K: ConstraintKernel<f64, 3, 1>>(
 
 /// ∫ f(q, n) dA over the closed surface g = 0 inside the box from `low` to `high`, for several f at once. n is ∇g/|∇g|.
 ///
-/// `lines` is the number of grid cells along the longest side of the box; g is evaluated lines³ times or less, f about
-/// 3/2 times for each c² of the area, c being the side of a cell. Where the normal jumps, the error is of first order
-/// in c.
+/// `lines` is the number of grid cells along the longest side of the box; g is evaluated (lines + 1)³ times or less, f
+/// about 3/2 times for each c² of the area, c being the side of a cell. Where the normal jumps, the error is of first
+/// order in c.
 ///
 /// # Errors
 /// [`IntegralError::Box`] and [`IntegralError::Lines`] for an invalid grid, [`IntegralError::Cut`] when the surface

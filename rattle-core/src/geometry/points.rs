@@ -15,6 +15,7 @@ use crate::number::philox::{normal, philox, unit};
 use crate::number::vector::{add_scaled, dot, scaled};
 use nalgebra::SVector;
 use std::array::from_fn;
+use std::cell::Cell;
 
 /// Cells of the longest line.
 const CELLS: usize = 256;
@@ -118,12 +119,15 @@ pub fn apart<C: Constraint<D, 1>, const D: usize>(
     if !(distance >= 0.0 && distance.is_finite()) {
         return Err(PointsError::Distance(distance));
     }
+    let near = Cell::new(false); // since the last point that was far from all
     let far = |q: &SVector<f64, D>, others: &[SVector<f64, D>]| {
-        others.iter().all(|other| (q - other).norm_squared() >= distance * distance)
+        let far = others.iter().all(|other| (q - other).norm_squared() >= distance * distance);
+        near.set(!far);
+        far
     };
     Lines::new(surface, low, high)?.points(number, |line, k| random(seed, line, k), far).map_err(|error| {
         match error {
-            PointsError::NotMet { found, lines, .. } if found > 0 => {
+            PointsError::NotMet { found, lines, .. } if near.get() => {
                 PointsError::Full { found, number, distance, lines }
             }
             error => error,
