@@ -18,6 +18,8 @@ mod flows;
 mod gas;
 #[path = "../geodesics.rs"]
 mod geodesics;
+#[path = "../geodesics_far.rs"]
+mod geodesics_far;
 #[path = "../heat.rs"]
 mod heat;
 #[path = "../heat_divided.rs"]

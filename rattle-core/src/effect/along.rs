@@ -21,6 +21,7 @@ use crate::effect::one::{Acting, Effect};
 use crate::error::{EffectMistake, Error, refuse_nan};
 use crate::kernel::cut_off::CutOff;
 use crate::kernel::functions::{Constraint, ConstraintKernel, PairKernel, PairPotential};
+use crate::kernel::rounding::allowed;
 use crate::kernel::space::Space;
 use crate::kernel::within::{Along, Within};
 use crate::number::lanes::Lane;
@@ -68,53 +69,103 @@ impl<P: PairPotential, C: Constraint<D, 1>, B: Space<D>, const D: usize> Effect<
     }
 }
 
-/// How far two bodies may be off one level of g, as part of the largest coordinate or the reach: twice what each may be
-/// off where it starts.
+/// How far two bodies may be off one level of g, as part of the largest coordinate or the reach, or of the size of the
+/// surface if that is smaller: twice what each may be off where it starts.
 const NEAR: f64 = 2e-9;
 /// The sine of the angle by which the normal of g may differ from that of the surface on which a body is.
 const ALIKE: f64 = 1e-6;
+/// Where a surface repeats itself, a rounding of places that is so small a part of the period turns normals by 1.
+const OF_A_PERIOD: f64 = 1.0 / 64.0;
+
+/// What a place is on: g, |∇g| and the normal, and how far another on the same level may be off it.
+struct Level<const D: usize> {
+    value: f64,
+    steep: f64,
+    normal: [f64; D],
+    allowed: f64,
+}
+
+impl<const D: usize> Level<D> {
+    /// From g, ∇g and ∇²g ∇g.
+    fn of(q: &[f64; D], reach: f64, (value, gradient, bend): (f64, [f64; D], [f64; D])) -> Self {
+        let steep = dot(&gradient, &gradient).sqrt();
+        let (allowed, _) = allowed(NEAR, largest(q).max(reach), q, &gradient, &bend);
+        Self { value, steep, normal: gradient.map(|x| x / steep), allowed }
+    }
+
+    /// How far the levels are apart.
+    fn apart(&self, other: &Self) -> f64 {
+        (self.value - other.value).abs() / self.steep.max(other.steep)
+    }
+
+    /// Whether the levels are not one.
+    fn differs(&self, other: &Self) -> bool {
+        self.apart(other) > self.allowed.max(other.allowed)
+    }
+}
+
+/// The sine of the angle between two unit vectors.
+fn sine<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    let across = add_scaled(a, -dot(a, b), b);
+    dot(&across, &across).sqrt()
+}
 
 /// Checks that distances along g = 0 are distances along the surface on which bodies are: bodies within reach of each
-/// other are on one level of g, and where each is on a surface, the normals of the two are the same. Other levels than
-/// 0 serve: nothing but derivatives of g is asked for.
+/// other are on one level of g, where each is on a surface, the normals of the two are the same, and a period brings
+/// each to the same level and normal. Other levels than 0 serve: nothing but derivatives of g is asked for. `at` tells
+/// g, ∇g and ∇²g ∇g; the sign of normals counts for some.
 ///
 /// # Errors
-/// [`EffectMistake::NotAlong`].
+/// [`EffectMistake::NotAlong`], [`EffectMistake::NotRepeated`].
 pub(crate) fn along_its_surface<T: Real, B: Space<D>, const D: usize>(
     during: &Interval<'_, T, D>,
     space: &B,
-    slope: impl Fn(usize) -> (f64, [f64; D]),
+    at: impl Fn(&[f64; D]) -> (f64, [f64; D], [f64; D]),
     near: impl Fn(&[f64; D], [[f64; D]; 2]) -> bool,
     reach: f64,
+    signed: bool,
 ) -> Result<(), EffectMistake> {
     let Some(positions) = T::doubles(during.at.positions) else { return Ok(()) };
     let mut levels = Vec::with_capacity(positions.len());
-    for body in 0..positions.len() {
-        let (level, gradient) = slope(body);
-        let steep = dot(&gradient, &gradient).sqrt();
-        let normal = gradient.map(|x| x / steep);
+    for (body, q) in positions.iter().enumerate() {
+        let level = Level::of(q, reach, at(q));
         if let Some(surface) = during.surface {
-            let of_body = surface.normal(body).map(number);
-            let across = add_scaled(&normal, -dot(&normal, &of_body), &of_body);
-            let sine = dot(&across, &across).sqrt();
-            if sine > ALIKE {
-                return Err(EffectMistake::NotAlong { body, other: None, off: sine });
+            let off = sine(&level.normal, &surface.normal(body).map(number));
+            if off > ALIKE {
+                return Err(EffectMistake::NotAlong { body, other: None, off });
             }
         }
-        levels.push((level, steep, normal));
+        for (coordinate, period) in space.periods().into_iter().enumerate().filter(|(_, p)| p.is_finite()) {
+            for shift in [period, -period] {
+                let mut image = *q;
+                image[coordinate] += shift;
+                let image = Level::of(&image, reach, at(&image));
+                let turned = if signed {
+                    let turn = add_scaled(&image.normal, -1.0, &level.normal);
+                    dot(&turn, &turn).sqrt()
+                } else {
+                    sine(&image.normal, &level.normal)
+                };
+                let rounded = f64::EPSILON * largest(q) / (OF_A_PERIOD * period);
+                if level.differs(&image) || turned > ALIKE.max(rounded) {
+                    let off = level.apart(&image).max(turned);
+                    return Err(EffectMistake::NotRepeated { body, coordinate, period, off });
+                }
+            }
+        }
+        levels.push(level);
     }
-    let apart = |i: usize, j: usize| (levels[i].0 - levels[j].0).abs() / levels[i].1.max(levels[j].1);
-    let allowed = |i: usize, j: usize| NEAR * largest(&positions[i]).max(largest(&positions[j])).max(reach);
     let off = |i: usize, j: usize| {
         let way = || space.apart(&positions[j], &positions[i]);
-        apart(i, j) > allowed(i, j) && near(&way(), [levels[i].2, levels[j].2])
+        levels[i].differs(&levels[j]) && near(&way(), [levels[i].normal, levels[j].normal])
     };
-    for i in 1..positions.len() {
-        // Most are on the level of the first one: pairs are tried for others alone.
-        if apart(i, 0) > 0.1 * allowed(i, 0)
+    for (i, level) in levels.iter().enumerate() {
+        // Most are on the level of the first one: pairs are tried for others alone. Of two that differ one is off it
+        // by half of what it may be.
+        if (level.value - levels[0].value).abs() > 0.5 * level.steep * level.allowed
             && let Some(j) = (0..positions.len()).find(|&j| j != i && off(i, j))
         {
-            return Err(EffectMistake::NotAlong { body: i, other: Some(j), off: apart(i, j) });
+            return Err(EffectMistake::NotAlong { body: i, other: Some(j), off: level.apart(&levels[j]) });
         }
     }
     Ok(())
@@ -209,15 +260,17 @@ where
     }
 
     fn fits(&self, during: &Interval<'_, T, D>) -> Result<(), EffectMistake> {
-        let slope = |body: usize| {
-            let ([value], [gradient]) = self.surface.value_and_jacobian(&during.at.positions[body]);
-            (number(value), gradient.map(number))
+        let at = |q: &[f64; D]| {
+            let q = q.map(T::from_f64);
+            let ([value], [gradient]) = self.surface.value_and_jacobian(&q);
+            let [bend] = self.surface.hessian_vector(&q, &gradient);
+            (number(value), gradient.map(number), bend.map(number))
         };
         let near = |way: &[f64; D], normals: [[f64; D]; 2]| {
             let rises = normals.map(|normal| dot(&normal, way));
             dot(way, way) - rises[0] * rises[1] / 3.0 < self.reach * self.reach
         };
-        along_its_surface(during, &self.space, slope, near, self.reach)
+        along_its_surface(during, &self.space, at, near, self.reach, true)
     }
 
     fn add_forces(&self, at: Moment<'_, T, D>, room: &mut Upright<T, D>, forces: &mut [[T; D]]) {

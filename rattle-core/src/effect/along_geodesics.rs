@@ -80,7 +80,8 @@ impl<X: PairKernel<f64>, C, B> ActsByGeodesics<X, C, B> {
                 if dot(&way, &way) >= self.reach * self.reach {
                     continue; // a chord is shorter than any way along the surface
                 }
-                match shoot(&self.surface, &positions[i], &way) {
+                // Far from the origin places are rounded by more.
+                match shoot(&self.surface, &self.space.apart(&positions[i], &[0.0; D]), &way) {
                     Ok(shot) if shot.distance < self.reach => told(i, j, &shot),
                     Ok(_) => {}
                     Err(_) => return false,
@@ -138,13 +139,13 @@ where
     }
 
     fn fits(&self, during: &Interval<'_, T, D>) -> Result<(), EffectMistake> {
-        let Some(positions) = T::doubles(during.at.positions) else { return Ok(()) };
-        let slope = |body: usize| {
-            let ([value], [gradient]) = self.surface.value_and_jacobian(&positions[body]);
-            (value, gradient)
+        let at = |q: &[f64; D]| {
+            let ([value], [gradient]) = self.surface.value_and_jacobian(q);
+            let [bend] = self.surface.hessian_vector(q, &gradient);
+            (value, gradient, bend)
         };
         let near = |way: &[f64; D], _| dot(way, way) < self.reach * self.reach;
-        along_its_surface(during, &self.space, slope, near, self.reach)
+        along_its_surface(during, &self.space, at, near, self.reach, false)
     }
 
     fn add_forces(&self, at: Moment<'_, T, D>, room: &mut Neighbours<D>, forces: &mut [[T; D]]) {

@@ -132,10 +132,10 @@ fn check_numbers<P: PairPotential, B: Space<D>, const D: usize>(
     if !(skin >= 0.0 && ((reach + skin) * (reach + skin)).is_finite()) {
         return Err(PairMistake::Skin { what, skin });
     }
-    let (periods, reach) = (space.periods(), farther * reach);
-    let serves = |period: &f64| *period >= 2.0 * reach; // not so for NaN
+    let (periods, through) = (space.periods(), farther * reach);
+    let serves = |period: &f64| *period >= 2.0 * through; // not so for NaN
     if let Some(coordinate) = periods.iter().position(|period| !serves(period)) {
-        return Err(PairMistake::Period { what, coordinate, period: periods[coordinate], reach });
+        return Err(PairMistake::Period { what, coordinate, period: periods[coordinate], reach, through });
     }
     let most = u32::MAX as usize;
     if bodies > most { Err(PairMistake::TooMany { what, bodies, most }) } else { Ok(()) }

@@ -48,6 +48,22 @@ pub enum EffectMistake {
         /// How far they are apart across the surface; without another body the sine of the angle between the normals.
         off: f64,
     },
+    /// Distances along a surface in a periodic box, whose periods are not those of the surface.
+    #[error(
+        "its surface does not repeat itself after the period {} of coordinate {coordinate}: at body {body} it is off by \
+         {off:.1e} there; the periods of a box are those of the surface, in all digits, or infinite where it has none",
+        Short(*.period)
+    )]
+    NotRepeated {
+        /// Which body.
+        body: usize,
+        /// Which coordinate, counted from 0.
+        coordinate: usize,
+        /// Its period.
+        period: f64,
+        /// How far the body and its image are apart across the levels of g, or by how much their normals differ.
+        off: f64,
+    },
     /// A heading is normal to the surface.
     #[error("the heading {heading:?} of body {body} has no part along the surface")]
     NoHeading {

@@ -52,8 +52,10 @@ pub enum PairMistake {
     },
     /// A periodic box that is too small for the reach, or has no size.
     #[error(
-        "{what} reaches as far as {}, and its box repeats itself after {} along coordinate {coordinate}: a period \
-         must be at least twice the reach, or infinite where there is none", Short(*.reach), Short(*.period)
+        "{what} reaches as far as {}{}, and its box repeats itself after {} along coordinate {coordinate}: a period \
+         must be at least twice {}, or infinite where there is none",
+        Short(*.reach), looked_for(*.reach, *.through), Short(*.period),
+        if .through > .reach { "that" } else { "the reach" }
     )]
     Period {
         /// The type of the potential.
@@ -64,6 +66,8 @@ pub enum PairMistake {
         period: f64,
         /// The reach.
         reach: f64,
+        /// How far through space bodies are looked for: farther than the reach, where that is along a surface.
+        through: f64,
     },
     /// A table that does not have one potential for every two kinds.
     #[error("{what}: a table of k kinds has k (k + 1)/2 potentials, that is 1, 3, 6, 10, …; found {size}")]
@@ -114,4 +118,16 @@ pub enum PairMistake {
         /// The largest number allowed.
         most: usize,
     },
+}
+
+/// How far through space bodies are looked for, where that is farther than the reach.
+fn looked_for(reach: f64, through: f64) -> String {
+    if through > reach {
+        return format!(
+            ", along the surface, for which bodies are looked for up to {} through space, {} times as far",
+            Short(through),
+            Short(through / reach)
+        );
+    }
+    String::new()
 }

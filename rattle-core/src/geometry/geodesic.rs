@@ -4,6 +4,7 @@ use crate::geometry::conjugate::{from_near, passes, settled};
 use crate::geometry::detour::detours;
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::kernel::geodesic::{Missed, Shot, length, normal, shoot, shoot_along};
+use crate::kernel::rounding::{NOISY, allowed, rounding_of_g, size_along};
 use crate::number::vector::{add_scaled, dot, largest, scaled};
 use nalgebra::SVector;
 
@@ -62,8 +63,7 @@ pub fn geodesic_distance<C: Constraint<D, 1>, const D: usize>(
     let (a, b): ([f64; D], [f64; D]) = ((*a).into(), (*b).into());
     let size = largest(&a).max(largest(&b)).max(f64::MIN_POSITIVE); // one of them may be the origin
     for (place, q) in [("a", &a), ("b", &b)] {
-        let off = off(&kernel, q);
-        if off > NEAR * size || off.is_nan() {
+        if let Some(off) = off(&kernel, q, size) {
             return Err(GeodesicError::NotOnSurface { place, position: q.to_vec(), off });
         }
     }
@@ -161,13 +161,23 @@ const SHORTER: f64 = 1e-9;
 /// % of itself at each edge of 90°.
 const CROOKED: f64 = 0.01;
 
-/// How far a place may be off the surface, as part of its largest coordinate.
+/// How far a place may be off the surface, as part of the largest coordinate of both, or of the size of the surface if
+/// that is smaller.
 const NEAR: f64 = 1e-9;
 
-/// |g|/|∇g|: about how far a place is off the surface.
-fn off<K: ConstraintKernel<f64, D, 1>, const D: usize>(kernel: &K, q: &[f64; D]) -> f64 {
+/// |g|/|∇g|, about how far a place is off the surface, if that is more than it may be, and more than rounding.
+fn off<K: ConstraintKernel<f64, D, 1>, const D: usize>(kernel: &K, q: &[f64; D], size: f64) -> Option<f64> {
     let ([value], [gradient]) = kernel.value_and_jacobian(q);
-    value.abs() / dot(&gradient, &gradient).sqrt()
+    let length = length(&gradient);
+    let [bend] = kernel.hessian_vector(q, &gradient);
+    let (allowed, singular) = allowed(NEAR, size, q, &gradient, &bend);
+    let bent = |shift: f64| {
+        let [there] = kernel.value(&add_scaled(q, shift / length, &gradient));
+        ((there - value) / length - shift).abs()
+    };
+    let rounding = || NOISY * rounding_of_g(size_along(&gradient, length, q), singular, bent);
+    let off = value.abs() / length;
+    (!(off <= allowed || off <= rounding())).then_some(off) // nor if it is no number
 }
 
 /// Why no geodesic was found.
@@ -211,6 +221,7 @@ fn missed(chord: f64, length: f64, by: f64, tries: usize) -> String {
     }
     format!(
         "a way of length {length:.3e} to the end of a chord of {chord:.3e} was not followed to its end, since the \
-         surface has no normal on it, or bends too much or too often"
+         surface has no normal on it, bends too much or too often, or is so far from the origin that places on it are \
+         rounded by as much as it bends in"
     )
 }

@@ -20,6 +20,11 @@ const DIVISIONS: [u32; 9] = [2, 4, 6, 8, 10, 12, 14, 16, 18];
 const CLOSE: f64 = 1e-13;
 /// What rounding may do to a velocity in a stretch, in units of its last digit: below it divisions do not agree.
 const ROUNDING: f64 = 32.0;
+/// What the rounding of places may do to it, in units of the angle by which it turns the normal, times that by which
+/// the stretch does.
+const OF_PLACES: f64 = 16.0;
+/// Where it turns the normal by more, nothing is known of the motion.
+const MOST_TURNED: f64 = 1e-3;
 /// Stretches of a motion. Those that are halved don't count: where curvature jumps it takes some 45 halvings to pass.
 const MOST_STRETCHES: usize = 400;
 /// Halvings of one stretch: where there is no normal no number of them will do.
@@ -273,6 +278,7 @@ fn stretch<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     let at_start = rate(start);
     let floor = ROUNDING * f64::EPSILON * length(&start.1);
     let (mut row, mut last) = ([([0.0; D], [0.0; D]); DIVISIONS.len()], None);
+    let mut tried = [(f64::INFINITY, *start); DIVISIONS.len()]; // off that before, and found
     for (k, &division) in DIVISIONS.iter().enumerate() {
         let part = h / f64::from(division);
         let (mut before, mut now) = (*start, plus(start, part, &at_start));
@@ -295,8 +301,30 @@ fn stretch<K: ConstraintKernel<f64, D, 1>, const D: usize>(
             return Some(found);
         }
         last = Some(found);
+        tried[k] = (off, found);
     }
-    None
+    // Far from the origin places are rounded by more than velocities are, and no number of divisions comes nearer.
+    let [gradient] = kernel.jacobian(&sum(a, &start.0));
+    let (turned, bent) = turns(kernel, &sum(a, &start.0), &gradient);
+    let rounded = OF_PLACES * turned * bent * dot(&start.1, &start.1) * h;
+    let is_rounding = |off: f64| off <= rounded && turned <= MOST_TURNED;
+    tried.into_iter().find(|&(off, _)| is_rounding(off)).map(|(_, found)| found)
+}
+
+/// By what angle the rounding of a place turns the normal there, and by how much a unit of length does, along that axis
+/// along which it is the most.
+fn turns<K: ConstraintKernel<f64, D, 1>, const D: usize>(
+    kernel: &K,
+    q: &[f64; D],
+    gradient: &[f64; D],
+) -> (f64, f64) {
+    let steep = length(gradient);
+    let unit = scaled(1.0 / steep, gradient);
+    (0..D).fold((0.0, 0.0), |(turned, most), i| {
+        let [change] = kernel.hessian_vector(q, &from_fn(|k| f64::from(u8::from(i == k))));
+        let turn = length(&add_scaled(&change, -dot(&change, &unit), &unit)) / steep;
+        (turned + f64::EPSILON * q[i].abs() * turn, turn.max(most))
+    })
 }
 
 fn distance<const D: usize>(a: &([f64; D], [f64; D]), b: &([f64; D], [f64; D])) -> f64 {

@@ -11,6 +11,7 @@ pub mod kinds;
 pub(crate) mod kinks;
 pub mod over;
 pub mod recurrences;
+pub(crate) mod rounding;
 pub mod series;
 pub mod space;
 pub mod within;

@@ -141,7 +141,8 @@ impl<P, B> Within<P, B> {
     /// computed to the next order in the curvature, see [`effect::along`](crate::effect::along): use this for a reach
     /// below about a third of the radii of curvature. Bodies that are near through space but far along the surface
     /// still interact, so other parts of the surface must be farther away than the reach. A start is refused where
-    /// bodies are not along the surface: on its g = 0, or on one other level of g that is the surface of the scene.
+    /// bodies are not along the surface: on its g = 0, or on one other level of g that is the surface of the scene. In
+    /// a periodic box the surface repeats itself after each period, or the start is refused, too.
     ///
     /// ```
     /// use rattle::potentials::LennardJones;

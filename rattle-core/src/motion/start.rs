@@ -1,6 +1,7 @@
 //! How exactly a start must satisfy its constraints.
 
 use crate::error::StartFailure;
+use crate::kernel::rounding::ROUNDINGS;
 
 /// How far a start may be off its constraints, relatively: 1e-10.
 ///
@@ -27,12 +28,9 @@ pub(crate) const MAX_PROJECTION_STEPS: usize = 60;
 /// off by this part of a step's way.
 const OF_A_WAY: f64 = 1e-12;
 
-/// Positions of this size are so far apart as they are rounded, some times.
-const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
-
 /// How far a start may be off an equation: coordinates of this size, those along the normal of that size, a step's way,
 /// and the distance to the next point without a normal, which is the size of the surface. More than that is rounding if
-/// g says so, see [`rounding_of_g`](crate::solve::aim::rounding_of_g).
+/// g says so, see [`rounding_of_g`](crate::kernel::rounding::rounding_of_g).
 pub(crate) fn allowed([coordinates, along]: [f64; 2], way: f64, singular: f64) -> f64 {
     let of_size = START_TOLERANCE * coordinates.min(singular);
     of_size.max(ROUNDINGS * along).max(OF_A_WAY * way.min(singular))

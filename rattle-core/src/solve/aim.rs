@@ -15,6 +15,7 @@
 //! a checkpoint, from which a run continues to the last bit, holds the remembered errors.
 
 use crate::error::Error;
+use crate::kernel::rounding::{FOLLOWED, GROWS, NOISY};
 use crate::motion::record::{Reading, Record};
 use crate::number::real::Scalar;
 use crate::solve::crowd::there;
@@ -39,43 +40,12 @@ pub(crate) const SMOOTH: f64 = 0.1;
 /// What is off by less than so many roundings of the position is off by rounding: no sheets lie so close.
 pub(crate) const ROUNDINGS: f64 = 64.0;
 
-/// What is taken for rounding of g where it was found to be so many times less.
-pub(crate) const NOISY: f64 = 16.0;
-
 /// What is off by more than so many times the rounding of positions is off by more than that of g.
 pub(crate) const LITTLE: f64 = 1e4;
-
-/// By so many roundings a body is moved to find that of g.
-pub(crate) const SHIFTS: [f64; 6] = [-46368.0, -6765.0, -144.0, 21.0, 987.0, 17711.0];
-
-/// g follows shifts by up to 46 368 roundings of a size if it is off by no more than so many roundings of that size.
-const FOLLOWED: f64 = 2048.0;
 
 /// Where nothing is known of how large a surface is, terms of g are taken to be at most so many times as large as
 /// places on it.
 const LARGER: f64 = 4_294_967_296.0;
-
-/// By which a size grows until g follows.
-const GROWS: f64 = 256.0;
-
-/// The rounding of g as a distance. `bent` shifts the place along the normal, and tells by how much g is no straight
-/// line there. Terms of g may be larger than the coordinates, near the origin of a large sphere say, but no larger than
-/// the surface is. So the shifts are some roundings of a size that grows until g follows them. What bends the surface
-/// on their way is not taken for rounding.
-pub(crate) fn rounding_of_g(coordinates: f64, singular: f64, mut bent: impl FnMut(f64) -> f64) -> f64 {
-    let most = if singular.is_finite() { singular } else { coordinates };
-    let mut size = if coordinates > 0.0 { coordinates } else { f64::EPSILON * most };
-    loop {
-        let shifts = SHIFTS.map(|share| share * f64::EPSILON * size);
-        let rounding = shifts
-            .into_iter()
-            .fold(0.0, |worst: f64, shift| worst.max(bent(shift) - shift * shift / singular));
-        if rounding <= FOLLOWED * f64::EPSILON * size || size >= most {
-            return rounding;
-        }
-        size *= GROWS;
-    }
-}
 
 /// What may be taken for the rounding of g, as a distance, where nothing is known of its terms, which may be larger
 /// than places of this size: as near the origin of a large sphere through it. `rounding` tells what it is where places

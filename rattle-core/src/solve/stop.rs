@@ -21,52 +21,12 @@
 //! needed anyway, tells what is left; without it some steps ended 60 and 190 ε off, with 1/256 as with 1/16. In
 //! networks the slower of the last two contractions is taken; with the last one some steps ended 9 ε off instead of 3.
 
-use crate::number::real::{Real, Scalar};
+use crate::kernel::rounding::size_of_terms;
+use crate::number::real::Scalar;
 use crate::number::vector::larger;
 
 /// What may be left of a correction when a solve ends without another evaluation, in units of the rounding floor.
 pub(crate) const SPARE: f64 = 1.0 / 16.0;
-
-/// The largest coordinate is too large for a floor if it is more than so many times all coordinates, each as far as it
-/// moves a place along the normal. g itself is rounded too, and not to less than by the largest coordinate where all
-/// take part; where they do not, [`SPARE`] of eight times as much is half a rounding.
-pub(crate) const TERMS: f64 = 8.0;
-
-/// How large coordinates are whose rounding moves g, times |n|: `most` of the largest times |n|, or, if that is less,
-/// some times `along`, Σ|nᵢaᵢ|, and `way`, what other links move a body by, times |n|. On a plane through the origin,
-/// where nothing is left, a rounding of the first.
-#[inline(always)]
-pub(crate) fn size_of_terms<T: Real>(along: T, way: T, most: T) -> T {
-    T::from_f64(T::EPSILON).multiply_add(most, T::from_f64(TERMS).multiply_add(along, way).min(most))
-}
-
-/// Σ|nᵢaᵢ|, and the largest |aᵢ|.
-#[inline(always)]
-fn along_and_most<T: Real, const D: usize>(n: &[T; D], a: &[T; D]) -> (T, T) {
-    let mut most = a[0].abs();
-    let mut along = n[0].abs() * most;
-    for i in 1..D {
-        let size = a[i].abs();
-        (along, most) = (n[i].abs().multiply_add(size, along), most.max(size));
-    }
-    (along, most)
-}
-
-/// The same by |n|, which is `length`, for one body without links.
-#[inline(always)]
-pub(crate) fn size_along<T: Real, const D: usize>(n: &[T; D], length: T, a: &[T; D]) -> T {
-    let (along, most) = along_and_most(n, a);
-    size_of_terms(along / length, T::from_f64(0.0), most)
-}
-
-/// The same squared, by 1/|n|², without a root.
-#[inline(always)]
-pub(crate) fn size_along_square<T: Real, const D: usize>(n: &[T; D], over_square: T, a: &[T; D]) -> T {
-    let (along, most) = along_and_most(n, a);
-    let most_square = most * most;
-    let along_square = T::from_f64(TERMS * TERMS) * (along * (along * over_square));
-    T::from_f64(T::EPSILON * T::EPSILON).multiply_add(most_square, along_square.min(most_square))
-}
 
 /// One over a rounding of numbers of this size, or over the least number that has all digits where a rounding is less.
 #[inline(always)]

@@ -19,6 +19,7 @@
 use crate::effect::moment::Moment;
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
+use crate::kernel::rounding::{size_along_square, size_of_terms};
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
@@ -32,7 +33,6 @@ use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::lane_record::{self, Rows};
 use crate::run::ensemble::laws::Laws;
 use crate::solve::crowd::{self, PATH, REACH, ROOT_3};
-use crate::solve::stop::{size_along_square, size_of_terms};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::tiles::AT_REST;

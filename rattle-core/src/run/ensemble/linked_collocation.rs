@@ -12,6 +12,7 @@
 //! its stages was below half a rounding, or no longer shrinks among roundings. Its stages are then not changed, however
 //! many passes its neighbours take. A lane whose stages are not found so takes the step by itself.
 
+use crate::kernel::rounding::size_of_terms;
 use crate::motion::table::Table;
 use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
@@ -22,7 +23,7 @@ use crate::run::ensemble::linked_row::{Course, add_times};
 use crate::run::ensemble::linked_stand::{Departs, Pulls, Stand};
 use crate::run::ensemble::pace::{ARRIVED, MOVES};
 use crate::run::ensemble::track::Track;
-use crate::solve::stop::{LAST_OF_STAGES, NOISE, size_of_terms};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use crate::systems::network::in_lanes::{Number, Numbers, Which, any, zeros};
 
 /// Passes after which a lane goes by itself.

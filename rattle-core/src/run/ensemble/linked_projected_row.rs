@@ -2,6 +2,7 @@
 //! kept from step to step, and the loops over lanes of a step. Arguments of a function are known not to overlap, so
 //! that its loop becomes one over vectors.
 
+use crate::kernel::rounding::size_of_terms;
 use crate::motion::course::JUMP;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
@@ -9,7 +10,6 @@ use crate::number::vector::two_sum;
 use crate::run::ensemble::inside::quintic;
 use crate::run::ensemble::track::State;
 use crate::solve::aim::{BOLD, OFF_INSIDE, ROUNDINGS};
-use crate::solve::stop::size_of_terms;
 use crate::systems::network::in_lanes::{Number, Numbers, Which, zeros};
 use std::array::from_fn;
 

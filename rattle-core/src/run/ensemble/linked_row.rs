@@ -17,6 +17,7 @@
 //! [`Simulation`](crate::run::simulation::Simulation) does. Every 64 steps other sheets are searched for
 //! ([`crate::solve::crowd`]).
 
+use crate::kernel::rounding::size_of_terms;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
@@ -25,7 +26,6 @@ use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::{Pulled, Pulling, Rows};
 use crate::run::ensemble::linked_plan::{LinkedPlan, Links, Places, Takes};
-use crate::solve::stop::size_of_terms;
 use crate::systems::network::elimination::LOSSY;
 use crate::systems::network::in_lanes::{Number, Numbers, Which, any, zeros};
 

@@ -19,6 +19,7 @@
 use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::sign_changes;
+use crate::kernel::rounding::{TERMS, size_along};
 use crate::methods::dop853::SMALLEST_PART;
 use crate::motion::bodies::One;
 use crate::motion::course::{ASTRAY, ROUNDINGS_OF_WAYS};
@@ -35,7 +36,7 @@ use crate::run::ensemble::projected_row::{Place, Row, Scratch};
 use crate::run::ensemble::row::{BY_ITSELF, pull};
 use crate::run::ensemble::taylor_row::ROUNDINGS_OF_SERIES;
 use crate::solve::aim::{BOLD, ROUNDINGS};
-use crate::solve::stop::{NOISE, TERMS, size_along};
+use crate::solve::stop::NOISE;
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use std::borrow::Borrow;
 

@@ -2,6 +2,7 @@
 //! step to step, and working memory for one step.
 
 use crate::kernel::functions::ConstraintKernel;
+use crate::kernel::rounding::size_along;
 use crate::motion::bodies::Body;
 use crate::motion::table::Table;
 use crate::number::lanes::Lane;
@@ -10,7 +11,6 @@ use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::inside::follows;
 use crate::run::ensemble::lane_record::{InRows, Rows};
 use crate::run::ensemble::laws::Laws;
-use crate::solve::stop::size_along;
 use std::array::from_fn;
 use std::borrow::Borrow;
 

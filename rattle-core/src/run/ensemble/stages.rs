@@ -16,6 +16,7 @@
 //! end on another sheet takes the step by itself, as a [`Simulation`](crate::run::simulation::Simulation) does.
 
 use crate::kernel::functions::ConstraintKernel;
+use crate::kernel::rounding::size_along;
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
@@ -24,7 +25,7 @@ use crate::run::ensemble::inside::follows;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::{BY_ITSELF, End, Row, Scratch, Tableau, pull};
 use crate::solve::root::{STAGES_ALIKE, alike};
-use crate::solve::stop::{LAST_OF_STAGES, NOISE, size_along};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use std::borrow::Borrow;
 
 /// Passes after which a lane goes by itself.

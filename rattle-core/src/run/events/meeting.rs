@@ -20,6 +20,7 @@
 
 use crate::effect::contact::{Contacts, Gradient};
 use crate::error::StepFailure;
+use crate::kernel::rounding::rounding_of_g;
 use crate::motion::bodies::Bodies;
 use crate::motion::failure::Failure;
 use crate::motion::method::Method;
@@ -27,7 +28,7 @@ use crate::motion::system::System;
 use crate::number::vector::{add_scaled, dot, largest};
 use crate::run::events::stretch::Stretch;
 use crate::run::trouble::Trouble;
-use crate::solve::aim::{noise_of_terms, rounding_of_g};
+use crate::solve::aim::noise_of_terms;
 use std::sync::Arc;
 
 /// Contacts with gaps of less than so many roundings are closed; gaps are landed on to two.

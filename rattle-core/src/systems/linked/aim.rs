@@ -6,10 +6,9 @@
 //! equations with an unexpected residual are examined inside the step; and where the root is followed, only those that
 //! failed there.
 
+use crate::kernel::rounding::{NOISY, SHIFTS};
 use crate::number::vector::{dot, largest};
-use crate::solve::aim::{
-    GROWTH, INSIDE, INSIDE_PARTS, LITTLE, LITTLE_OFF, NOISY, ROUNDINGS, SHIFTS, SMOOTH, grows_to,
-};
+use crate::solve::aim::{GROWTH, INSIDE, INSIDE_PARTS, LITTLE, LITTLE_OFF, ROUNDINGS, SMOOTH, grows_to};
 use crate::solve::root::{Part, SHORT_PATH, straight};
 use crate::systems::linked::flight::{Flight, Landing};
 use crate::systems::linked::kept::{Counts, Room};

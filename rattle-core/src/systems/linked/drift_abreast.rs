@@ -5,13 +5,13 @@
 //! left where they were, and go by themselves. A lane that rests is not changed while others are corrected, so none
 //! depends on its neighbours.
 
+use crate::kernel::rounding::size_of_terms;
 use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::dot;
 use crate::solve::aim::SMOOTH;
 use crate::solve::root::FAR_GUESS;
-use crate::solve::stop::size_of_terms;
 use crate::systems::linked::abreast::{
     KeptRow, Lanes, RowUnderWay, add_up, factor_rows, places, square, square_mut,
 };

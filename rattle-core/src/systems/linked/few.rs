@@ -5,11 +5,12 @@
 //! speaks against. Whatever else happens, [`Flight`] goes on from here, or begins again.
 
 use crate::effect::force::Force;
+use crate::kernel::rounding::size_of_terms;
 use crate::motion::failure::Failure;
 use crate::number::vector::{add_scaled, dot, larger, size as largest, sum, two_sum};
 use crate::solve::aim::{Aim, ROUNDINGS, SMOOTH};
 use crate::solve::root::FAR_GUESS;
-use crate::solve::stop::{SPARE, Shrinking, over_rounding, size_of_terms};
+use crate::solve::stop::{SPARE, Shrinking, over_rounding};
 use crate::systems::linked::flight::{CONTRACTION, Flight, Landing, MAX_CORRECTIONS};
 use crate::systems::linked::kept::{Counts, Room};
 use crate::systems::linked::moving::Moving;

@@ -1,12 +1,13 @@
 //! Starts of linked bodies: always checked, projected onto the constraints only on request.
 
 use crate::error::{EquationAt, Error, History, StartFailure};
+use crate::kernel::rounding::{NOISY, rounding_of_g};
 use crate::motion::bodies::Body;
 use crate::motion::start::{DIRECTION, MAX_PROJECTION_STEPS, START_TOLERANCE};
 use crate::motion::start::{allowed, finite, has_square, length_of};
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, sum};
-use crate::solve::aim::{NOISY, ROUNDINGS, rounding_of_g};
+use crate::solve::aim::ROUNDINGS;
 use crate::solve::nearing::Nearing;
 use crate::systems::linked::flight::LOST;
 use crate::systems::linked::pull::Rounds;

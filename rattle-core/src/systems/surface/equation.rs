@@ -2,9 +2,10 @@
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::{first_kink, sign_changes};
+use crate::kernel::rounding::SHIFTS;
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot};
-use crate::solve::aim::{SHIFTS, noise_of_terms};
+use crate::solve::aim::noise_of_terms;
 
 /// g(q) = 0. Steps that find their root at once are compiled for each surface; what is rarely done is compiled once,
 /// and given a

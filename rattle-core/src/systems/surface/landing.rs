@@ -4,12 +4,13 @@
 //! A root that is not trusted is followed from h = 0, see [`crate::solve::root`]: always for h·κ·|v| > ½. Beyond 1
 //! there may be no root.
 
+use crate::kernel::rounding::NOISY;
 use crate::motion::course::STEADY;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind, Newton};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled};
-use crate::solve::aim::{Aim, GROWTH, INSIDE, INSIDE_PARTS, LITTLE, NOISY, ROUNDINGS, grows_to};
+use crate::solve::aim::{Aim, GROWTH, INSIDE, INSIDE_PARTS, LITTLE, ROUNDINGS, grows_to};
 use crate::solve::root::{
     Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, alike, follow, is_the_root, is_upright,
 };

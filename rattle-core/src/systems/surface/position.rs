@@ -31,11 +31,12 @@
 //!
 //! **Which root**: see [`crate::systems::surface::landing`].
 
+use crate::kernel::rounding::size_along;
 use crate::motion::iteration::{Iteration, Kind};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::root::straight;
-use crate::solve::stop::{SPARE, size_along};
+use crate::solve::stop::SPARE;
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::normal::Normal;
 use std::array::from_fn;

@@ -15,6 +15,7 @@
 use crate::effect::list::Forces;
 use crate::error::StepFailure;
 use crate::kernel::functions::ConstraintKernel;
+use crate::kernel::rounding::size_along;
 use crate::motion::bodies::{Body, Count, Saved};
 use crate::motion::failure::{Failure, numbers};
 use crate::number::real::Scalar;
@@ -22,7 +23,6 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::aim::{BOLD, INSIDE, OFF_INSIDE, ROUNDINGS};
 use crate::solve::crowd::{FARTHER, is_alone, shift, there};
 use crate::solve::curve::{cubic, quartic};
-use crate::solve::stop::size_along;
 use crate::systems::surface::equation::{Equation, is_rounding};
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;

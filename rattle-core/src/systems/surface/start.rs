@@ -3,6 +3,7 @@
 use crate::error::{Error, History, StartFailure};
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::{first_kink, sign_changes};
+use crate::kernel::rounding::{NOISY, rounding_of_g, size_along};
 use crate::motion::bodies::Body;
 use crate::motion::start::DIRECTION;
 use crate::motion::start::MAX_PROJECTION_STEPS;
@@ -10,10 +11,8 @@ use crate::motion::start::START_TOLERANCE;
 use crate::motion::start::{allowed, finite, has_square, length_of};
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, scaled};
-use crate::solve::aim::{NOISY, rounding_of_g};
 use crate::solve::nearing::Nearing;
 use crate::solve::root::straight;
-use crate::solve::stop::size_along;
 use crate::systems::surface::normal::Normal;
 
 /// Whether a body may start: finite, on the surface, momentum tangent, no singular point.

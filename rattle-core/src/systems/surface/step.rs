@@ -3,6 +3,7 @@
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
+use crate::kernel::rounding::size_along;
 use crate::motion::bodies::{Bodies, Count};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
@@ -11,7 +12,7 @@ use crate::motion::witness::Witness;
 use crate::number::real::Scalar;
 use crate::number::vector::{dot, largest, scaled, sum, two_sum};
 use crate::solve::nearing::Nearing;
-use crate::solve::stop::{NOISE, size_along};
+use crate::solve::stop::NOISE;
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::equation::{Equation, is_rounding};
 use crate::systems::surface::kept::Kept;
