@@ -6,6 +6,8 @@ mod common;
 mod estimates;
 #[path = "../price.rs"]
 mod price;
+#[path = "../price_starts.rs"]
+mod price_starts;
 #[path = "../common/priced.rs"]
 #[allow(dead_code, reason = "each test uses its part")]
 mod priced;

@@ -9,7 +9,8 @@
 //!
 //! Source: G. Benettin, L. Galgani, J.-M. Strelcyn, Phys. Rev. A 14 (1976) 2338.
 
-use crate::run::price::candidate::Candidate;
+use crate::error::Error;
+use crate::run::price::candidate::{Candidate, HALVINGS};
 use crate::run::price::ladder::{Path, Pilot, Runner, Stop, distances};
 use crate::run::price::moving::Rung;
 
@@ -49,7 +50,18 @@ impl Chaos {
         loop {
             let looks = (length / (STEP * pilot.longest)).clamp(8.0, LOOKS) as u64;
             let part = Pilot { length, looks, instants: 1, ..*pilot };
-            let Ok((apart, way)) = part_ways(runner, &part) else { return Self::default() };
+            // What passes where the body starts may be too long later.
+            let shares = (0..=HALVINGS).map(|halvings| STEP * 0.5_f64.powi(halvings.cast_signed()));
+            let mut parted = shares.map(|share| part_ways(runner, &part, share * pilot.longest));
+            let parted = parted.find(|parted| !matches!(parted, Err(Stop::Failed(Error::Step { .. }))));
+            let (apart, way) = match parted {
+                Some(Ok(parted)) => parted,
+                None if length > 8.0 * pilot.longest => {
+                    length *= 0.125;
+                    continue;
+                }
+                _ => return Self::default(),
+            };
             let lost = apart.iter().position(|&d| d >= LOST * way).unwrap_or(apart.len());
             if (lost as f64) < FEWEST * looks as f64 && length > 8.0 * pilot.longest {
                 length *= 0.125;
@@ -85,9 +97,9 @@ impl Chaos {
     }
 }
 
-/// The largest distance up to each look, and the way.
-fn part_ways(runner: &Runner<'_>, part: &Pilot) -> Result<(Vec<f64>, f64), Stop> {
-    let steps = part.steps(STEP * part.longest);
+/// The largest distance up to each look, and the way, with steps of at most this length.
+fn part_ways(runner: &Runner<'_>, part: &Pilot, h: f64) -> Result<(Vec<f64>, f64), Stop> {
+    let steps = part.steps(h);
     let rung = Rung { candidate: Candidate::Rattle, h: part.stretch() / steps as f64, tolerance: 0.0 };
     let first = runner.scene.begin(rung)?;
     let start =

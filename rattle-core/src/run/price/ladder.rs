@@ -26,6 +26,8 @@ pub(super) struct Pilot {
     pub(super) instants: u64,
     /// The longest step of RATTLE that was found to pass.
     pub(super) longest: f64,
+    /// The largest coordinate at the start and on the way of some of these: of this size tolerances are.
+    pub(super) size: f64,
     /// At how many of the looks positions are compared: at those before chaos makes them unknown.
     pub(super) told: usize,
 }

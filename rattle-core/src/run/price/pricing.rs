@@ -16,7 +16,7 @@ use crate::run::price::clock::Clock;
 use crate::run::price::ladder::{Pilot, Runner, Stop, averages_apart, distances, energies_apart, largest};
 use crate::run::price::moving::{Movable, Rung};
 use crate::run::price::prices::{Average, Longer, Price, Prices, Quantity, Refused};
-use crate::run::price::reference::{Reference, most, pilot, runner_size};
+use crate::run::price::reference::{Reference, most, pilot};
 use crate::run::price::set::{Observed, Set};
 use crate::scene::Scene;
 use std::iter::zip;
@@ -364,7 +364,7 @@ fn named_averages(scene: &dyn Movable, reference: &Reference) -> Vec<Average> {
 fn climb(runner: &Runner<'_>, to_climb: &Climb<'_>, method: Candidate) -> (Vec<Price>, Option<Error>) {
     let Climb { pilot, reference, .. } = *to_climb;
     let (mut rows, mut why): (Vec<Price>, _) = (Vec::new(), None);
-    let size = runner_size(runner, pilot);
+    let size = pilot.size;
     let mut steps = pilot.steps(method.reach() * pilot.longest);
     let (mut tolerance, mut seconds, mut stuck) = (size * 0.01, 0.0, 0);
     let (mut enough, mut dearer, mut before) = (0, 0, f64::NAN);

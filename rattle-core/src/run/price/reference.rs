@@ -58,15 +58,16 @@ pub(super) struct Reference {
 pub(super) fn pilot(runner: &Runner<'_>, duration: f64, seconds: f64) -> Result<Pilot, Stop> {
     let mut longest = passing(runner, duration)?;
     let shortest = duration * 0.5_f64.powi(SHORTEST);
-    loop {
+    let size = loop {
         match probe(runner, longest) {
-            Ok(true) => break,
-            Ok(false) if longest <= shortest => break, // at rest, or of an energy that is mostly rounding
+            Ok((true, size)) => break size,
+            Ok((false, size)) if longest <= shortest => break size, // at rest, or of an energy that is mostly rounding
             Err(Stop::Late) => return Err(Stop::Late),
             Err(stop @ Stop::Failed(_)) if longest <= shortest => return Err(stop),
-            Ok(false) | Err(Stop::Failed(_)) => longest *= 0.5,
+            Ok(_) | Err(Stop::Failed(_)) => longest *= 0.5,
         }
-    }
+    };
+    let size = if size > 0.0 { size } else { 1.0 }; // at rest in the origin
     let rung = Rung { candidate: Candidate::Rattle, h: longest, tolerance: 0.0 };
     let mut moving = runner.scene.begin(rung)?;
     let begun = runner.clock.now();
@@ -81,17 +82,23 @@ pub(super) fn pilot(runner: &Runner<'_>, duration: f64, seconds: f64) -> Result<
     let wanted = IN_LONGEST * length / (looks as f64 * longest);
     let fitting = || INSTANTS.into_iter().filter(|&n| n <= room.max(1));
     let instants = fitting().find(|&n| n as f64 >= wanted).or_else(|| fitting().next_back()).unwrap_or(1);
-    Ok(Pilot { length, looks, instants, longest, told: looks as usize })
+    Ok(Pilot { length, looks, instants, longest, size, told: looks as usize })
 }
 
-/// A step of RATTLE near which longer ones fail, from below: what fails is dear, as it says why.
+/// A step of RATTLE near which longer ones fail, from below: what fails is dear, as it says why. Near the origin a
+/// start may be off its constraints by a part of a step's way, and is refused with shorter steps.
 fn passing(runner: &Runner<'_>, duration: f64) -> Result<f64, Stop> {
     let mut h = duration * 0.5_f64.powi(SHORTEST);
     loop {
-        let mut moving = runner.scene.begin(Rung { candidate: Candidate::Rattle, h, tolerance: 0.0 })?;
+        let begun = runner.scene.begin(Rung { candidate: Candidate::Rattle, h, tolerance: 0.0 });
         if runner.left() <= 0.0 {
             return Err(Stop::Late);
         }
+        if matches!(begun, Err(Error::Start { .. })) && h < 0.25 * duration {
+            h *= 4.0;
+            continue;
+        }
+        let mut moving = begun?;
         if moving.run(2).is_err() || h >= 0.25 * duration {
             return Ok(h);
         }
@@ -99,19 +106,22 @@ fn passing(runner: &Runner<'_>, duration: f64) -> Result<f64, Stop> {
     }
 }
 
-/// Whether some steps of RATTLE of this length keep the energy.
-fn probe(runner: &Runner<'_>, h: f64) -> Result<bool, Stop> {
+/// Whether some steps of RATTLE of this length keep the energy, and the largest coordinate on their way.
+fn probe(runner: &Runner<'_>, h: f64) -> Result<(bool, f64), Stop> {
     let mut moving = runner.scene.begin(Rung { candidate: Candidate::Rattle, h, tolerance: 0.0 })?;
+    let extent = |positions: &[f64]| positions.iter().fold(0.0, |most: f64, q| most.max(q.abs()));
+    let mut size = extent(&moving.positions());
     let (mut kinetic, mut error) = (moving.kinetic_energy().abs(), 0.0_f64); // in phase space all of H, of either sign
     for _ in 0..PROBE {
         moving.run(1)?;
+        size = size.max(extent(&moving.positions()));
         kinetic = kinetic.max(moving.kinetic_energy().abs());
         error = error.max(moving.energy_error().abs());
         if runner.left() <= 0.0 {
             return Err(Stop::Late);
         }
     }
-    Ok(error <= KEEPS * kinetic)
+    Ok((error <= KEEPS * kinetic, size))
 }
 
 impl Reference {
@@ -223,19 +233,13 @@ fn start(runner: &Runner<'_>, pilot: &Pilot) -> Result<Vec<f64>, Stop> {
     Ok(runner.scene.begin(rung)?.positions())
 }
 
-/// The largest coordinate at the start, or 1.
-pub(super) fn runner_size(runner: &Runner<'_>, pilot: &Pilot) -> f64 {
-    let largest = start(runner, pilot).map_or(0.0, |q| q.iter().fold(0.0, |most: f64, q| most.max(q.abs())));
-    if largest > 0.0 { largest } else { 1.0 }
-}
-
 /// Steps from look to look, and what is set, of a method with a tolerance near rounding; of others with steps a
 /// sixteenth of RATTLE's longest.
-fn most_exact(pilot: &Pilot, candidate: Candidate, size: f64) -> (u64, Rung) {
+fn most_exact(pilot: &Pilot, candidate: Candidate) -> (u64, Rung) {
     let adaptive = candidate.is_adaptive();
     let steps = pilot.steps(if adaptive { candidate.reach() } else { 1.0 / 16.0 } * pilot.longest);
     let steps = steps.checked_next_multiple_of(pilot.instants).unwrap_or(steps);
-    let tolerance = size * if candidate == Candidate::Taylor { 1e-17 } else { 1e-15 };
+    let tolerance = pilot.size * if candidate == Candidate::Taylor { 1e-17 } else { 1e-15 };
     (steps, Rung { candidate, h: pilot.stretch() / steps as f64, tolerance })
 }
 
@@ -254,7 +258,7 @@ fn finest(
     candidate: Candidate,
     other: Option<&Path>,
 ) -> Result<Finest, Stop> {
-    let (mut steps, mut rung) = most_exact(pilot, candidate, runner_size(runner, pilot));
+    let (mut steps, mut rung) = most_exact(pilot, candidate);
     if candidate.is_adaptive() {
         return Ok(Finest { path: runner.path(pilot, steps, rung)?, steps, rung });
     }

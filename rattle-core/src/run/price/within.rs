@@ -132,6 +132,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
     /// error and its reason; else as [`measure`](crate::run::price::Pricing::measure).
     pub fn simulate(mut self, start: &State<D>, duration: f64) -> Result<Planned<D>, Error> {
         positive("error wished for", self.error)?;
+        positive("budget", self.allowance.budget)?; // parts of it are handed on
         let works = priced(self.scene, start, duration)?;
         let set = Set { scene: self.scene, start, observed: &self.observed, beside: None, works };
         let mut tell = self.progress.take().unwrap_or_else(|| Box::new(|_| {}));
@@ -266,7 +267,8 @@ fn choose(
         }
         other => other,
     })?;
-    let limits = Limits { seconds: allowance.budget, flows: scene.flows() };
+    let kinetic = measured.reference.path.kinetic.abs();
+    let limits = Limits { seconds: allowance.budget, flows: scene.flows(), kinetic };
     let runner = Runner { scene, clock: &allowance.clock, deadline: begun + allowance.budget };
     let prices = &measured.prices;
     if prices.needs_positions(what) && lost(prices) || uncertain(prices, what).is_some_and(|by| by > wish) {
@@ -387,12 +389,14 @@ struct Limits {
     seconds: f64,
     /// Whether flows act, which are of second order.
     flows: bool,
+    /// The largest kinetic energy, by which energies are rounded.
+    kinetic: f64,
 }
 
 impl Limits {
     /// That there was no time for shorter steps.
     fn of_time(self) -> Limit {
-        let Self { seconds, flows } = self;
+        let Self { seconds, flows, .. } = self;
         if flows { Limit::Flows { seconds } } else { Limit::Budget { seconds } }
     }
 }
@@ -411,7 +415,7 @@ fn unreachable(prices: &Prices, wish: f64, what: Quantity, limits: Limits) -> Er
             let size = prices.averages.get(number).map_or(0.0, |average| average.mean.abs());
             if best <= AT_ROUNDING * size { Limit::Rounding } else { limits.of_time() }
         }
-        _ => limit(prices, row, best, limits),
+        _ => limit(prices, row, best, what, limits),
     };
     let method = row.map_or_else(|| "no method".into(), |row| row.method.to_string());
     let what = match what {
@@ -423,11 +427,19 @@ fn unreachable(prices: &Prices, wish: f64, what: Quantity, limits: Limits) -> Er
 }
 
 /// What limits motion that can be predicted.
-fn limit(prices: &Prices, best: Option<&Price>, error: f64, limits: Limits) -> Limit {
+fn limit(prices: &Prices, best: Option<&Price>, error: f64, what: Quantity, limits: Limits) -> Limit {
     let known = prices.reference_error.max(prices.rounding);
     let rounding = match prices.lyapunov_time.zip(prices.predictable) {
-        Some((lyapunov_time, predictable)) => Limit::Chaos { lyapunov_time, predictable },
-        None => Limit::Rounding,
+        Some((lyapunov_time, predictable)) if prices.needs_positions(what) => {
+            Limit::Chaos { lyapunov_time, predictable }
+        }
+        _ => Limit::Rounding,
+    };
+    let rounded = match what {
+        Quantity::Energy => {
+            larger(prices.reference_energy_error.unwrap_or(0.0), f64::EPSILON * limits.kinetic)
+        }
+        _ => known,
     };
     if best.is_some_and(|row| row.rounding) {
         return rounding;
@@ -435,7 +447,7 @@ fn limit(prices: &Prices, best: Option<&Price>, error: f64, limits: Limits) -> L
     match order(prices) {
         Some(order) if order < NOT_SMOOTH && !limits.flows => Limit::Kink { order },
         // A reference that is not exact had no time to become so.
-        _ if error <= 100.0 * known && known <= prices.rounding.max(EXACT * prices.way) => rounding,
+        _ if error <= 100.0 * rounded && known <= prices.rounding.max(EXACT * prices.way) => rounding,
         _ => limits.of_time(),
     }
 }
