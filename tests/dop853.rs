@@ -459,3 +459,25 @@ fn a_driven_potential_is_evaluated_once_between_inner_steps() {
     }
     assert!(divided > 4 && back > 4, "{divided} divided, {back} inner steps put back");
 }
+
+potential! {
+    /// A spring that grows stiffer, slowly.
+    struct Stiffening {}
+    |x, y, t| exp(4.6 * tanh(t / 1000)) * (x^2 + y^2) / 2
+}
+
+/// A step ends after 10⁶ inner steps, also where each of them passes.
+#[test]
+#[cfg_attr(not(long), ignore = "a million inner steps, see `cargo long`")]
+fn a_step_has_a_million_inner_steps_at_most() {
+    let scene = Scene::points(1).with(Stiffening {});
+    let mut simulation =
+        scene.simulate(State::at([1.0, 0.0]).moving([0.0, 1.0]), Dop853::adaptive(3e5, 3.0)).unwrap();
+    let error = simulation.run(1).unwrap_err();
+    let Error::Step { cause: StepFailure::Method(MethodFailure::TooManyInnerSteps { inner, .. }), .. } =
+        error
+    else {
+        panic!("{error}");
+    };
+    assert!(inner > 0.01 && inner < 0.3, "{inner:e}");
+}

@@ -4,7 +4,7 @@
 use rattle::curvature::{GeodesicError, geodesic_distance};
 use rattle::nalgebra::{Vector3, vector};
 use rattle::prelude::*;
-use rattle::surfaces::{Cylinder, Gyroid};
+use rattle::surfaces::{Cylinder, Gyroid, Sphere};
 use std::f64::consts::{PI, TAU};
 
 constraint! {
@@ -218,4 +218,27 @@ fn a_box_is_told_how_far_bodies_are_looked_for() {
     let told = Scene::on(gyroid).bodies(2).with(soft).simulate(State::of([[0.0; 3]; 2]), Rattle::new(0.01));
     let told = told.expect_err("refused").to_string();
     assert!(told.contains("reaches as far as 2.5,") && told.contains("1.225"), "{told}");
+}
+
+/// Where there is no normal, or no number, no place is on the surface, and that is told.
+#[test]
+fn places_without_a_normal_are_refused() {
+    let refused = |place: Vector3<f64>, other: Vector3<f64>| {
+        for [a, b] in [[place, other], [other, place]] {
+            let found = geodesic_distance(&Sphere { r: 1.0 }, &a, &b);
+            assert!(matches!(found, Err(GeodesicError::NotOnSurface { .. })), "{a:?}: {found:?}");
+        }
+    };
+    let pole = vector![0.0, 0.0, 1.0];
+    let none = f64::NAN;
+    for place in [
+        [0.0; 3],
+        [none, 0.0, 1.0],
+        [0.0, 0.0, none],
+        [none; 3],
+        [f64::INFINITY, 0.0, 0.0],
+        [1e200, 0.0, 0.0],
+    ] {
+        refused(Vector3::from(place), pole);
+    }
 }

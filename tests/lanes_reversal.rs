@@ -7,7 +7,7 @@ use crate::lanes_rigid::Field;
 use crate::{lanes_phase, lanes_rigid};
 use rattle::bodies::Count;
 use rattle::composition::SUZUKI_1990_ORDER_4;
-use rattle::effect::{DryFriction, Effects, Langevin, MagneticField};
+use rattle::effect::{DryFriction, Effects, Langevin, LinearDrag, MagneticField};
 use rattle::ensemble::{InstructionSet, NotInLanes};
 use rattle::error::{EffectMistake, RecordMistake};
 use rattle::links::planar::Rod;
@@ -237,4 +237,25 @@ fn what_is_taken_is_taken_on_the_way_back() {
         simulation.is_ok_and(|run| run.check_reversal(1e-10).unwrap().run(5).is_ok())
     });
     assert_eq!(alone.map(|(i, _)| i).collect::<Vec<_>>(), taken);
+}
+
+/// In single precision flows of lanes that go by themselves are as exact as its numbers, and no more is asked of them.
+#[test]
+fn flows_in_single_precision_are_taken_back() {
+    let scene = Scene::on(Torus { major: 1.0, minor: 0.4 })
+        .with(Gravity { g: 1.0 })
+        .with(MagneticField::new([0.7, -0.4, 1.5]))
+        .with(LinearDrag::new(0.2));
+    let starts =
+        || (0..32).map(|i| State::at([1.4, 0.0, 0.0]).moving([0.0, (i as f64).cos(), (i as f64).sin()]));
+    let by = Rattle::new(0.01);
+    let mut single = scene.ensemble_in(Single, starts(), by).unwrap().check_reversal(1e-4).unwrap();
+    let mut double = scene.ensemble_in(Double, starts(), by).unwrap();
+    single.run(100);
+    double.run(100);
+    assert_eq!(single.failures().count(), 0, "{:?}", single.failures().next());
+    for (state, exact) in single.states().zip(double.states()) {
+        let off = (state.positions().next().unwrap() - exact.positions().next().unwrap()).norm();
+        assert!(off > 0.0 && off < 1e-4, "{off:e}");
+    }
 }

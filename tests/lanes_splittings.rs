@@ -209,3 +209,42 @@ fn too_long_a_first_step_is_refused() {
     println!("{refused} of {}", 2 * starts.len());
     assert!(starts.len() > 400 && refused > 30, "{refused}");
 }
+
+constraint! {
+    /// Two branches of a hyperbola, with a neck between them of half this width.
+    struct Neck { r }
+    |x, z| x^2 - z^2 - r^2
+}
+
+/// Where places come nearer to the origin they stay on the surface as nearly as their numbers tell: what may be left of
+/// a correction is found every 64 steps, from farther out.
+#[test]
+fn necks_are_passed_on_the_surface() {
+    fn farthest<P: Precision>(precision: P, rounding: f64, r: f64, share: f64) -> f64 {
+        let scene = Scene::on(Neck { r });
+        let starts = (0..64).map(|i| {
+            let z = 0.6 + 0.005 * f64::from(i);
+            let x = (z * z + r * r).sqrt();
+            State::at([x, z]).moving([-z / x, -1.0])
+        });
+        let starts: Vec<_> = starts.map(|start| scene.project(&start).unwrap()).collect();
+        let mut ensemble = scene.ensemble_in(precision, starts, Rattle::new(share * r)).unwrap();
+        let mut farthest = 0.0_f64;
+        for _ in 0..(2.0 / (share * r)) as u32 {
+            ensemble.run(1);
+            for state in ensemble.states() {
+                let q = state.positions().next().unwrap();
+                let off = Neck { r }.value(&q)[0].abs() / Neck { r }.jacobian(&q).norm();
+                farthest = farthest.max(off / (rounding * q.amax()));
+            }
+        }
+        assert_eq!(ensemble.failures().count(), 0);
+        farthest
+    }
+    for (r, share) in [(0.1, 0.3), (0.1, 0.6), (0.02, 0.3), (0.02, 0.6)] {
+        let single = farthest(Single, f64::from(f32::EPSILON), r, share);
+        let double = farthest(Double, f64::EPSILON, r, share);
+        println!("r = {r}, h|v| = {share} r: {single:.2} and {double:.2} roundings off");
+        assert!(single < 4.0 && double < 4.0, "{single} {double}");
+    }
+}

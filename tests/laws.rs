@@ -300,7 +300,7 @@ fn rounding_in_the_energy_does_not_add_up() {
 #[test]
 fn coefficients_that_are_no_composition_are_refused() {
     let bad = |gammas: &'static [f64]| Coefficients { name: "bad", order: 4, gammas };
-    for gammas in [&[][..], &[0.5], &[0.3, 0.7], &[1.0, f64::NAN, 1.0]] {
+    for gammas in [&[][..], &[0.5], &[0.3, 0.7], &[1.0, f64::NAN, 1.0], &[0.5, 0.0, 0.5]] {
         let method = Composition::new(bad(gammas), 0.01);
         let error = Scene::on(SURFACE).simulate(billiard(0.7), method).unwrap_err();
         assert!(matches!(error, Error::Coefficients { .. }), "{gammas:?}: {error}");

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Powers of roots and distances that are smooth again have their own slopes: √x², ∛x³, hypot(x, y)².
-//! Everywhere else it is what IEEE 754 makes of the formula: `ln′(0) = ∞`, `asin′(1) = ∞`.
+//! Everywhere else it is what IEEE 754 makes of the formula: `ln′(0) = ∞`, and `asin′(1)` is infinite, of either sign.
 
 use crate::algebra::Scaled;
 use crate::functions::{Binary, Function, functions_of_one, functions_of_two};
@@ -126,17 +126,15 @@ impl Graph {
         let square = self.product(&[x.into(), x.into()]).times(scale);
         self.sum(&[Scaled::number(shift), square])
     }
-    /// 1 − x², as (1 − x)(1 + x): exact near ±1, where it matters, and +0 there.
+    /// 1 − x², as (1 − x)(1 + x): exact near ±1, where it matters.
     fn one_minus_square(&mut self, x: Id) -> Scaled {
-        let (one, more) = (self.constant(1.0), self.sum(&[Scaled::number(1.0), x.into()]));
-        let less = self.sub(one, x);
-        self.product(&[less.into(), more])
+        let one = Scaled::number(1.0);
+        let (less, more) = (self.sum(&[one, Scaled::from(x).times(-1.0)]), self.sum(&[one, x.into()]));
+        self.product(&[less, more])
     }
     /// x² − 1, as (x − 1)(x + 1).
     fn square_minus_one(&mut self, x: Id) -> Scaled {
-        let (one, more) = (self.constant(1.0), self.sum(&[Scaled::number(1.0), x.into()]));
-        let less = self.sub(x, one);
-        self.product(&[less.into(), more])
+        self.one_minus_square(x).times(-1.0)
     }
     fn sum_of_squares(&mut self, a: Id, b: Id) -> Scaled {
         let (a, b) = (self.product(&[a.into(), a.into()]), self.product(&[b.into(), b.into()]));

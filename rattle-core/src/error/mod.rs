@@ -156,8 +156,11 @@ pub enum Error {
         why: &'static str,
     },
 
-    /// A composition whose coefficients do not add up to 1, or are not symmetric.
-    #[error("the coefficients of {name} must be symmetric and add up to 1; their sum is {}", Short(*.sum))]
+    /// A composition whose coefficients do not add up to 1, are not symmetric, or of which one is 0.
+    #[error(
+        "the coefficients of {name} must be symmetric, add up to 1, and none be 0; their sum is {}",
+        Short(*.sum)
+    )]
     Coefficients {
         /// Their name.
         name: &'static str,

@@ -177,6 +177,9 @@ fn off<K: ConstraintKernel<f64, D, 1>, const D: usize>(kernel: &K, q: &[f64; D],
     };
     let rounding = || NOISY * rounding_of_g(size_along(&gradient, length, q), singular, bent);
     let off = value.abs() / length;
+    if !(off.is_finite() && length > 0.0 && length.is_finite()) {
+        return Some(off);
+    }
     (!(off <= allowed || off <= rounding())).then_some(off) // nor if it is no number
 }
 

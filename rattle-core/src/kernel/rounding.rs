@@ -5,8 +5,8 @@ use crate::number::vector::dot;
 
 /// The largest coordinate is too large for a floor if it is more than so many times all coordinates, each as far as it
 /// moves a place along the normal. g itself is rounded too, and not to less than by the largest coordinate where all
-/// take part; where they do not, what a [solve](crate::solve::stop) leaves, a sixteenth, of eight times as much is half
-/// a rounding.
+/// take part. Where they do not, the floor is eight times larger, and a [solve](crate::solve::stop) leaves a sixteenth
+/// of it: half a rounding.
 pub(crate) const TERMS: f64 = 8.0;
 
 /// How large coordinates are whose rounding moves g, times |n|: `most` of the largest times |n|, or, if that is less,
@@ -87,7 +87,8 @@ pub(crate) fn rounding_of_g(coordinates: f64, singular: f64, mut bent: impl FnMu
         let rounding = shifts
             .into_iter()
             .fold(0.0, |worst: f64, shift| worst.max(bent(shift) - shift * shift / singular));
-        if rounding <= FOLLOWED * f64::EPSILON * size || size >= most {
+        // Nor where that is no number.
+        if !(rounding > FOLLOWED * f64::EPSILON * size && size < most) {
             return rounding;
         }
         size *= GROWS;

@@ -122,7 +122,8 @@ impl<B: Method> Method for Composition<B> {
         let sum: f64 = gammas.iter().sum();
         let rounding = f64::EPSILON * gammas.iter().map(|gamma| gamma.abs()).sum::<f64>();
         let adds_up = (sum - 1.0).abs() <= 8.0 * rounding; // false for NaN
-        if !(gammas.iter().eq(gammas.iter().rev()) && adds_up) {
+        let moves = !gammas.contains(&0.0); // a step of no length moves nothing off its constraints, nor back
+        if !(gammas.iter().eq(gammas.iter().rev()) && adds_up && moves) {
             return Err(Error::Coefficients { name, sum });
         }
         if !self.base.is_symmetric() {

@@ -40,6 +40,9 @@ pub(crate) const SAFETY: f64 = 0.9;
 pub(crate) const CHANGE: (f64, f64) = (1.0 / 3.0, 6.0);
 /// The smallest part of a step that is tried.
 pub(crate) const SMALLEST_PART: f64 = 1e-6;
+
+/// A step has no more inner steps.
+const MOST_INNER: u32 = 1_000_000;
 /// The stage in whose place is kept where an inner step led regardless of the constraints: no sum needs it at the end.
 const LED: usize = 1;
 /// Vectors per body: the rates at the stages.
@@ -191,9 +194,14 @@ impl Dop853 {
                     continue;
                 }
                 look_inside(self, [left, inner], system.0, stages.start, bodies, landed)?;
-                number = number.saturating_add(1);
+                number += 1;
                 if last {
                     return Ok(number);
+                }
+                if number >= MOST_INNER {
+                    let [h, inner] = [self.h, inner * fitting];
+                    let cause = MethodFailure::TooManyInnerSteps { inner, h, tolerance }.into();
+                    return Err(Failure { body, cause });
                 }
                 left -= inner;
                 made = made.max(inner.abs());

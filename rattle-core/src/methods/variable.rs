@@ -115,7 +115,7 @@ impl<B: Method> Variable<B> {
             })
         };
         let (ahead, behind) = (probe(delta)?, probe(-delta)?);
-        Ok(((ahead * behind).sqrt().sqrt(), (ahead / behind).ln() / (4.0 * delta)))
+        Ok(((ahead * behind).sqrt().sqrt(), (ahead.ln() - behind.ln()) / (4.0 * delta)))
     }
 
     /// The memory at these bodies, for p₀² of a run or that of a start here.

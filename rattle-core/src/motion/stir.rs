@@ -339,6 +339,8 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
         let ((impulses, lacks), (impulses_before, lacks_before)) =
             (now.split_at_mut(n), before.split_at_mut(n));
         impulses.fill([zero; D]);
+        let rounding = T::from_f64(8.0 * T::EPSILON);
+        let most_settled = SETTLED.max(8.0 * T::EPSILON);
         let mut last = f64::INFINITY;
         for iteration in 0..MOST_ITERATIONS {
             if iteration > 0 {
@@ -364,19 +366,19 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
                 let (own, first) = (largest(&lacks[body]), largest(&self.first[body]));
                 let own_size = largest(p).max(largest(change)).max(largest(&impulses[body])).max(first);
                 (lack, size) = (lack.max(own), size.max(own_size));
-                if !own.le(T::from_f64(8.0 * f64::EPSILON) * own_size) {
+                if !own.le(rounding * own_size) {
                     worst = worst.max((own / own_size).to_f64());
                 }
             }
             // To the rounding of each body, or of all where that of one, at which impulses cancel, is brought no
             // nearer.
-            let stalls = worst >= 0.5 * last && (worst <= SETTLED || iteration >= PATIENCE);
-            let settled = lack.le(T::from_f64(8.0 * f64::EPSILON) * size);
+            let stalls = worst >= 0.5 * last && (worst <= most_settled || iteration >= PATIENCE);
+            let settled = lack.le(rounding * size);
             if system.equations() == 0 || (settled && (worst == 0.0 || stalls)) {
                 return Ok(());
             }
             last = worst;
-            if iteration + 1 == MOST_ITERATIONS && lack.le(T::from_f64(SETTLED) * size) {
+            if iteration + 1 == MOST_ITERATIONS && lack.le(T::from_f64(most_settled) * size) {
                 return Ok(());
             }
             improve([impulses, lacks], [impulses_before, lacks_before], iteration > 0);

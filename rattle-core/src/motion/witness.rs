@@ -6,9 +6,11 @@ pub trait Witness<T> {
     const LISTENS: bool = true;
 
     /// λ of position equation number `equation`; on surfaces, equation i belongs to body i. A composition reports λ of
-    /// each of its inner steps in order; a collocation method reports λ(t) at the start of the step, to its order.
+    /// each of its inner steps in order; a collocation method of S stages reports λ(t) at the start of the step, to
+    /// order S − 1. [`Sight::multipliers`](crate::watch::Sight::multipliers) has λ(t) of each state to the order of the
+    /// method.
     fn position_multiplier(&mut self, equation: usize, lambda: T);
-    /// μ of the momentum equation; for a collocation method, λ(t) at the end of the step.
+    /// μ of the momentum equation; for a collocation method, λ(t) at the end of the step, to order S − 1.
     fn momentum_multiplier(&mut self, equation: usize, mu: T);
 
     /// Called where a simulation makes a step, or a part of it, once more: what was told since the last

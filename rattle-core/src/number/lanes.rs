@@ -40,6 +40,13 @@ pub trait Lane: Scalar + Default + PartialEq {
     fn run<W: Work>(set: InstructionSet, work: W) -> W::Done;
 }
 
+/// Neither infinite nor NaN.
+#[inline(always)]
+pub(crate) fn is_finite<S: Lane>(x: S) -> bool {
+    let zero = x * S::default(); // or NaN
+    zero.le(zero)
+}
+
 /// A float whose x·y + z is rounded once, with the same bits on every processor: fast where there is an instruction for
 /// it, slow elsewhere.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -1,8 +1,10 @@
 //! Lanes near other sheets of their surface.
 
+use crate::number::instructions::Work;
 use crate::number::lanes::Lane;
 use crate::number::vector::dot;
 use crate::number::vectors::{Vectors, at};
+use crate::run::ensemble::block::{Block, Part};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::LOOKING;
@@ -89,4 +91,46 @@ pub(super) fn ask_around<S: Lane, const L: usize, const D: usize>(
     *asked = reach;
     let alone = is_alone(laws.constraint(lane).borrow(), 0, [&q, &normal], square, furthest);
     if alone { Ok(()) } else { Err(Stuck { lane, failure: None }) }
+}
+
+/// Whether no other sheet is near the body of one of these lanes, after so many steps; see [`crate::solve::crowd`].
+pub(super) struct LookingAround<
+    'a,
+    S,
+    X,
+    const L: usize,
+    const D: usize,
+    const SUMS: usize,
+    const EQUAL: bool,
+> {
+    pub(super) block: &'a Block<S, L, D, SUMS, EQUAL>,
+    pub(super) laws: &'a X,
+    pub(super) parts: &'a [Part],
+    pub(super) steps: u64,
+    pub(super) lanes: &'a [bool; L],
+    /// The momentum of a lane is taken to be no less. Not inlined: it must not compute by numbers that fuse.
+    pub(super) least: &'a dyn Fn(usize) -> f64,
+}
+
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
+    for LookingAround<'_, S, X, L, D, SUMS, EQUAL>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    type Done = Result<(), Stuck>;
+
+    #[inline(always)]
+    fn run(self) -> Result<(), Stuck> {
+        let Self { block, laws, parts, steps, lanes, least } = self;
+        let (part, Block { q, way, normal, square, guess, past: [last, earlier], .. }) =
+            (&parts[block.part], block);
+        let mut furthest = [S::default(); L];
+        for i in 0..L {
+            let back = guess[i].abs().max(last[i].abs()).max(earlier[i].abs());
+            let pushed = laws.kick(i, &at(q, i), part.push(), [S::default(); D]);
+            furthest[i] = part.furthest(back, &at(way, i), &pushed, &at(normal, i), square[i], least(i));
+        }
+        look_around(laws, steps, lanes, q, normal, square, &furthest)
+    }
 }

@@ -19,23 +19,21 @@
 use crate::effect::moment::Moment;
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
-use crate::kernel::rounding::{size_along_square, size_of_terms};
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
 use crate::motion::record::{Reading, Record};
 use crate::number::instructions::{Fusing, Work};
-use crate::number::lanes::Lane;
+use crate::number::lanes::{Lane, is_finite};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
-use crate::run::ensemble::around::look_around;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::lane_record::{self, Rows};
 use crate::run::ensemble::laws::Laws;
+use crate::run::ensemble::rest::{measured_every, rest_square};
 use crate::solve::crowd::{self, PATH, REACH, ROOT_3};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::normal::Normal;
-use crate::systems::surface::tiles::AT_REST;
 use std::borrow::Borrow;
 
 /// Less than any square: a lane is not at rest, and lost in any case.
@@ -188,14 +186,14 @@ impl Part {
 
     /// By how much forces are multiplied to be what they push in a step, as far as it is asked for that.
     #[inline(always)]
-    fn push<S: Lane>(&self) -> S {
+    pub(super) fn push<S: Lane>(&self) -> S {
         S::from_f64(self.reach * self.h * self.kick)
     }
 
     /// How far it is asked whether other sheets are near, in normals: where Λ is this, the momentum no less than that,
     /// and forces [push](Self::push) so.
     #[inline(always)]
-    fn furthest<S: Lane, const D: usize>(
+    pub(super) fn furthest<S: Lane, const D: usize>(
         &self,
         back: S,
         way: &[S; D],
@@ -250,13 +248,6 @@ fn total<S: Lane, const D: usize>(x: &[S; D]) -> S {
         sum = sum + component;
     }
     sum
-}
-
-/// Neither infinite nor NaN.
-#[inline(always)]
-pub(super) fn is_finite<S: Lane>(x: S) -> bool {
-    let zero = x * S::default(); // or NaN
-    zero.le(zero)
 }
 
 impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>
@@ -324,10 +315,18 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         holds
     }
 
-    /// Measures what displacements may be at rest. How large places are changes little from look to look, and how large
+    /// [Measures](Self::measure) after so many steps, if it is time to.
+    #[inline(always)]
+    pub(super) fn measure_after(&mut self, steps: u64) {
+        if steps.is_multiple_of(const { measured_every::<S>() }) {
+            self.measure();
+        }
+    }
+
+    /// Measures what displacements may be at rest. How large places are changes little from time to time, and how large
     /// |∇g| is takes no part.
     #[inline(always)]
-    pub(super) fn measure(&mut self) {
+    fn measure(&mut self) {
         let Self { q, normal, square, rest, .. } = self;
         for i in 0..L {
             let measured = rest_square(&at(normal, i), square[i], &at(q, i));
@@ -474,48 +473,6 @@ where
     }
 }
 
-/// Whether no other sheet is near the body of one of these lanes, after so many steps; see [`crate::solve::crowd`].
-pub(super) struct LookingAround<
-    'a,
-    S,
-    X,
-    const L: usize,
-    const D: usize,
-    const SUMS: usize,
-    const EQUAL: bool,
-> {
-    pub(super) block: &'a Block<S, L, D, SUMS, EQUAL>,
-    pub(super) laws: &'a X,
-    pub(super) parts: &'a [Part],
-    pub(super) steps: u64,
-    pub(super) lanes: &'a [bool; L],
-    /// The momentum of a lane is taken to be no less. Not inlined: it must not compute by numbers that fuse.
-    pub(super) least: &'a dyn Fn(usize) -> f64,
-}
-
-impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
-    for LookingAround<'_, S, X, L, D, SUMS, EQUAL>
-where
-    S: Lane,
-    X: Laws<S, D>,
-{
-    type Done = Result<(), Stuck>;
-
-    #[inline(always)]
-    fn run(self) -> Result<(), Stuck> {
-        let Self { block, laws, parts, steps, lanes, least } = self;
-        let (part, Block { q, way, normal, square, guess, past: [last, earlier], .. }) =
-            (&parts[block.part], block);
-        let mut furthest = [S::default(); L];
-        for i in 0..L {
-            let back = guess[i].abs().max(last[i].abs()).max(earlier[i].abs());
-            let pushed = laws.kick(i, &at(q, i), part.push(), [S::default(); D]);
-            furthest[i] = part.furthest(back, &at(way, i), &pushed, &at(normal, i), square[i], least(i));
-        }
-        look_around(laws, steps, lanes, q, normal, square, &furthest)
-    }
-}
-
 /// See [`OfLane::set`].
 struct Setting<'a, 'b, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
     OfLane<'a, &'b mut Block<S, L, D, SUMS, EQUAL>, X>,
@@ -560,29 +517,6 @@ where
         let Self(OfLane { block, lane, laws, parts }) = self;
         block.body(lane, laws, parts).map(S::to_f64)
     }
-}
-
-/// What a displacement may be at rest, squared: that of `AT_REST` ε times [how large](size_along_square) coordinates
-/// are along the normal. Nothing where that is no number: then no lane rests before it is corrected by itself.
-#[inline(always)]
-pub(super) fn rest_square<S: Lane, const D: usize>(gradient: &[S; D], square: S, q: &[S; D]) -> S {
-    let roundings = AT_REST * S::EPSILON;
-    let most_square =
-        S::from_f64(roundings * roundings) * size_along_square(gradient, S::from_f64(1.0) / square, q);
-    S::select(is_finite(most_square), most_square, S::default())
-}
-
-/// What |g| may be at rest: `AT_REST` ε times the [size of its terms](size_of_terms), with |q|∞ |∇g|∞ for the largest,
-/// which is |∇g| |q| to a factor of √3 in space.
-#[inline(always)]
-pub(super) fn at_rest<S: Lane, const D: usize>(gradient: &[S; D], q: &[S; D]) -> S {
-    let (mut longest, mut farthest) = (gradient[0].abs(), q[0].abs());
-    let mut along = longest * farthest;
-    for d in 1..D {
-        let (n, x) = (gradient[d].abs(), q[d].abs());
-        (along, longest, farthest) = (n.multiply_add(x, along), longest.max(n), farthest.max(x));
-    }
-    S::from_f64(AT_REST * S::EPSILON) * size_of_terms(along, S::default(), longest * farthest)
 }
 
 /// Why a lane's momentum is not finite.

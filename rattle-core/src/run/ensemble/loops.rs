@@ -20,24 +20,26 @@
 //!
 //! **Stopping.** A displacement |g|/|∇g| of at most 256 ε|q|∞ gets one last correction, a chord step, whose remaining
 //! error is below rounding. Where the displacement is larger, the lane is corrected again by itself. Squares of
-//! displacements are compared, g·(g/s), which take two products. How large |q| is along the normal is measured now and
-//! then ([`Block::measure`]): a bound that is some times too large still leaves less than rounding. ∇g is carried on
-//! through the last correction, as it changed on the way from Λ₀: corrections have one sign for many steps, and by ∇g
-//! of the place before them the energy drifts by up to 1e-16 of itself a step.
+//! displacements are compared, g·(g/s), which take two products. How large |q| is along the normal is measured every 64
+//! steps ([`Block::measure_after`]): in double precision a bound that is some times too large still leaves less than
+//! rounding. In single precision, where 256 roundings squared are more, they are 32, and measured every 8. ∇g is
+//! carried on through the last correction, as it changed on the way from Λ₀: corrections have one sign for many steps,
+//! and by ∇g of the place before them the energy drifts by up to 1e-16 of itself a step.
 //!
 //! **Which root.** |∇g(q)|²/s must be between 2/3 and 2. Lanes where it is not, or that have not converged after three
 //! corrections, are lost, and solved as a [`Simulation`](crate::run::simulation::Simulation) does; so is their next
 //! step, if other sheets have come near. Where sheets of a surface are closer to each other than the errors of guesses,
-//! lanes are moved one by one ([`LookingAround`](crate::run::ensemble::block::LookingAround)).
+//! lanes are moved one by one ([`LookingAround`](crate::run::ensemble::around::LookingAround)).
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::failure::Failure;
-use crate::number::lanes::Lane;
+use crate::number::lanes::{Lane, is_finite};
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
-use crate::run::ensemble::block::{Block, LOST, Part, Scratch, at_rest, is_finite, not_finite, rest_square};
+use crate::run::ensemble::block::{Block, LOST, Part, Scratch, not_finite};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
+use crate::run::ensemble::rest::{at_rest, rest_square};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::position::Departure;
 use crate::systems::surface::tiles::{AT_REST, CORRECTIONS};

@@ -107,6 +107,7 @@ mod projected;
 mod projected_lanes;
 mod projected_row;
 mod renewed_lanes;
+mod rest;
 mod rhythm;
 mod rigid_going;
 mod rigid_lanes;

@@ -14,11 +14,12 @@ use crate::motion::method::{Renewal, Stage};
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
-use crate::number::lanes::{Fused, Lane};
+use crate::number::lanes::{Fused, Lane, is_finite};
 use crate::number::vector::dot;
 use crate::number::vectors::{Vectors, at};
+use crate::run::ensemble::around::LookingAround;
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
-use crate::run::ensemble::block::{Block, Desk, LookingAround, OfLane, Part, Scratch, is_finite};
+use crate::run::ensemble::block::{Block, Desk, OfLane, Part, Scratch};
 use crate::run::ensemble::crossing::crossings;
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::laws::{Laws, system_of};
@@ -228,8 +229,8 @@ where
             for now in from..from + steps {
                 if now % EVERY == 0 {
                     steps_of.look_around(now)?;
-                    steps_of.block.measure();
                 }
+                steps_of.block.measure_after(now);
                 let start = steps_of.block.q;
                 lanes.rhythm.step(&mut steps_of, now, 1)?;
                 if const { !X::Constraint::KINKS.is_empty() } {

@@ -493,9 +493,6 @@ where
             loop {
                 if looks {
                     look_around(&desk.block, &laws, parts, stirs.as_mut(), now)?;
-                    if now % every == 0 {
-                        desk.block.measure();
-                    }
                 }
                 if now == end {
                     break;
@@ -532,6 +529,7 @@ where
     S: Lane,
     X: Laws<S, D>,
 {
+    desk.block.measure_after(steps);
     if const { X::Forces::FLOWS > 0 }
         && let Some(stirs) = stirs
     {

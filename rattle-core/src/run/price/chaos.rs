@@ -26,6 +26,8 @@ const FEWEST: f64 = 0.125;
 const FURTHER: f64 = 10.0;
 /// Steps of both runs, as part of the longest.
 const STEP: f64 = 0.25;
+/// The part of the time that is left which both runs may take; else they are shorter.
+const SHARE: f64 = 1.0 / 6.0;
 /// Growth like a power of time is at most of this power.
 const POWER: f64 = 3.0;
 /// Where positions are lost within the pilot, they are compared for this part of the time until then: the reference is
@@ -52,11 +54,12 @@ impl Chaos {
             let part = Pilot { length, looks, instants: 1, ..*pilot };
             // What passes where the body starts may be too long later.
             let shares = (0..=HALVINGS).map(|halvings| STEP * 0.5_f64.powi(halvings.cast_signed()));
-            let mut parted = shares.map(|share| part_ways(runner, &part, share * pilot.longest));
+            let own = Runner { deadline: runner.clock.now() + SHARE * runner.left(), ..*runner };
+            let mut parted = shares.map(|share| part_ways(&own, &part, share * pilot.longest));
             let parted = parted.find(|parted| !matches!(parted, Err(Stop::Failed(Error::Step { .. }))));
             let (apart, way) = match parted {
                 Some(Ok(parted)) => parted,
-                None if length > 8.0 * pilot.longest => {
+                None | Some(Err(Stop::Late)) if length > 8.0 * pilot.longest => {
                     length *= 0.125;
                     continue;
                 }

@@ -41,6 +41,11 @@ pub struct Trajectory {
 }
 
 /// λ and μ of a run, one of each per equation and row, on the scale of M q̈ = −∇U + Gᵀλ.
+///
+/// They are those of the method's own equations: of `Rattle` the mean of μ and the next λ is λ(t) to second order. Of
+/// `SymplecticEuler` the mean of both of a step is, of `Shake` μ belongs to the time before; `Geodesic` and `Baoab`
+/// have λ for the free motion and μ for forces; those of `Brownian` are 2/(γh) times as large. Forces of constraints at
+/// the rows' times, whatever the method, are `Sight::multipliers`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Multipliers {
     /// λ of the step that led to the row; in the first row λ(t₀) of the exact motion. NaN in an ensemble, where
