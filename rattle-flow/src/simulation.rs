@@ -10,6 +10,9 @@ use crate::sources::Sources;
 /// So often a step that failed is halved.
 const HALVINGS: u32 = 12;
 
+/// So often in a row a step that is chosen by its error may fail: the next one is a quarter of it.
+const QUARTERS: u32 = HALVINGS / 2;
+
 /// Steps that are chosen by their error get no shorter than this part of the first one, 2⁻⁴⁰.
 const SHORTEST: f64 = 1.0 / (1_u64 << 40) as f64;
 /// Rounding of depths is an error of steps of about 10⁻¹⁵.
@@ -110,8 +113,10 @@ impl<M: Method> Simulation<M> {
     /// there was so far in one step, with what came in it, and not less than what comes in a step of the first length.
     ///
     /// A step with an error above the tolerance is repeated with a shorter step size. The first step has the length
-    /// given at the start, with S as its error, and no step is longer than `longest`. Errors of steps add up: the final
-    /// error is about the number of steps times the tolerance. Returns the number of rejected steps.
+    /// given at the start, with S as its error, and no step is longer than `longest`. One that fails is divided by
+    /// four, six times at most, until a step is made: down to 1/4096 of it, as by [`step`](Simulation::step). Errors of
+    /// steps add up: the final error is about the number of steps times the tolerance. Returns the number of rejected
+    /// steps.
     ///
     /// Rain and inflow are looked at at five instants of a step: beside its ends, within 10⁻⁹ of it or 8 roundings of
     /// the time, and at 11 %, 50 % and 89 % of it. **What begins and ends between two of them is missed**, in the
@@ -142,7 +147,7 @@ impl<M: Method> Simulation<M> {
             number("the longest step", longest, longest > 0.0, "a positive number")?;
         }
         let start = self.step.min(longest);
-        let (mut next, mut thrown) = (start, 0);
+        let (mut next, mut thrown, mut failed) = (start, 0, 0);
         while self.time() < end {
             let goal = self.flow.next_meeting(self.time() + LEAST_PART * start);
             let goal = goal.map_or(end, |time| time.min(end));
@@ -156,13 +161,11 @@ impl<M: Method> Simulation<M> {
             match outcome {
                 Ok(info) if error <= tolerance => {
                     self.accept(step, &info);
+                    failed = 0;
                     next = (step * if first { 1.0 } else { growth }).min(longest);
                     if left == step {
                         self.clock = Clock::at(goal);
                     }
-                }
-                Err(trouble) if step <= self.step * 0.5_f64.powi(HALVINGS as i32) => {
-                    return Err(self.error(step, trouble));
                 }
                 Ok(_) => {
                     self.method.undo();
@@ -172,7 +175,12 @@ impl<M: Method> Simulation<M> {
                         return Err(FlowError::TooExact { time, step, error, tolerance });
                     }
                 }
-                Err(_) => (next, thrown) = (step * growth, thrown + 1),
+                Err(trouble) => {
+                    (next, thrown, failed) = (step * growth, thrown + 1, failed + 1);
+                    if failed > QUARTERS || next < self.step * SHORTEST {
+                        return Err(self.error(step, trouble));
+                    }
+                }
             }
         }
         Ok(thrown)

@@ -93,6 +93,45 @@ fn a_step_that_fails_is_halved_and_the_last_good_state_stays() {
     }
 }
 
+/// Steps that are chosen by their error are divided as those of one length: by 4096, however short they are.
+#[test]
+fn a_chosen_step_that_fails_is_divided_however_short_it_is() {
+    let mesh = dam_break::mesh(0.5).unwrap();
+    let depth = dam_break::depth(&mesh);
+    let longest = 0.1 / 8192.0;
+    // The third step fails that often, and then each step is made.
+    let fails_of = |count: usize| {
+        let (mut made, mut failed) = (0, 0);
+        move |step: f64, guess: &mut [f64], make: &mut common::Step<'_>| {
+            if made == 2 && failed < count && step > 0.0 {
+                failed += 1;
+                guess.fill(f64::NAN);
+                return Err(Trouble::Singular { vertex: 7 });
+            }
+            made += 1;
+            make(guess)
+        }
+    };
+    let start = |count| {
+        let method = |flow: &Flow| around(flow, fails_of(count));
+        dam_break::flow(mesh.clone()).simulate_by(depth.clone(), 0.1, method).unwrap()
+    };
+    for count in [1, 6] {
+        let mut simulation = start(count);
+        let end = 40.0 * longest;
+        assert_eq!(simulation.run_until(end, 1e-3, longest).unwrap(), count);
+        assert_eq!(simulation.time(), end);
+        assert!(simulation.budget().remainder().abs() < 1e-13);
+    }
+    let mut simulation = start(7);
+    let error = simulation.run_until(40.0 * longest, 1e-3, longest).unwrap_err();
+    assert!(
+        matches!(error, FlowError::Singular { step, vertex: 7, .. } if step == longest / 4096.0),
+        "{error}"
+    );
+    assert_eq!(simulation.time(), 2.0 * longest);
+}
+
 /// Fluxes cancel in pairs in every linear system that is solved, so one iteration a step keeps the volume as well as
 /// many.
 #[test]
