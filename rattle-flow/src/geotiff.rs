@@ -2,10 +2,11 @@
 
 mod units;
 
-use crate::raster::Raster;
+use crate::raster::{HUGE, Raster, is_none};
 use crate::read::ReadError;
 use std::collections::HashSet;
 use std::io::Cursor;
+use std::path::{Path, PathBuf};
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::{CompressionMethod, Tag};
 use tiff::{ColorType, TiffError, TiffFormatError, TiffUnsupportedError};
@@ -23,12 +24,36 @@ const MASK: u32 = 4;
 
 type File<'a> = Decoder<Cursor<&'a [u8]>>;
 
-/// Whether a file begins as TIFF does, or as its form for large files.
-pub(crate) fn is_tiff(bytes: &[u8]) -> bool {
-    [b"II\x2a\0", b"MM\0\x2a", b"II\x2b\0", b"MM\0\x2b"].iter().any(|magic| bytes.starts_with(*magic))
+/// Reads the bytes of the file at a path. Side files of GDAL that change its heights are refused.
+pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Raster, ReadError> {
+    let beside = |ending: &str| {
+        let mut name = path.as_os_str().to_owned();
+        name.push(ending);
+        PathBuf::from(name)
+    };
+    let mask = beside(".msk");
+    if mask.exists() {
+        return Err(refused(&format!(
+            "{} says which cells have data; `gdalwarp -dstnodata -9999 in.tif out.tif` writes this into the heights",
+            mask.display()
+        )));
+    }
+    let more = beside(".aux.xml");
+    let more = if more.exists() {
+        of_side_file(&String::from_utf8_lossy(&crate::read::bytes(&more)?))?
+    } else {
+        None
+    };
+    parse_with(bytes, more)
 }
 
-pub(crate) fn parse(bytes: &[u8]) -> Result<Raster, ReadError> {
+#[cfg(test)]
+fn parse(bytes: &[u8]) -> Result<Raster, ReadError> {
+    parse_with(bytes, None)
+}
+
+/// Reads the bytes of a file beside which the height of no data may stand.
+fn parse_with(bytes: &[u8], beside: Option<f64>) -> Result<Raster, ReadError> {
     let mut limits = Limits::default();
     (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (LARGEST, LARGEST);
     let mut file = Decoder::new(Cursor::new(bytes)).map_err(wrong)?.with_limits(limits);
@@ -43,21 +68,38 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Raster, ReadError> {
     }
     let scale = optional(file.get_tag_f64_vec(Tag::ModelPixelScaleTag))?;
     let tie = optional(file.get_tag_f64_vec(Tag::ModelTiepointTag))?;
-    let (Some([cell, height, ..]), Some([i, j, _, x, y, _])) = (scale.as_deref(), tie.as_deref()) else {
+    let (Some([cell, height, up @ ..]), Some([i, j, k, x, y, z])) = (scale.as_deref(), tie.as_deref()) else {
         return Err(refused("no cell size and no one point of the map; `gdalwarp` makes rasters north up"));
     };
     let is_square = (cell - height).abs() <= SQUARE * cell && *cell > 0.0 && cell.is_finite();
     if !(is_square && x.is_finite() && y.is_finite()) {
         return Err(refused(&format!("cells of {cell} by {height}; `gdalwarp -tr` makes them square")));
     }
+    if keys.has_vertical_system() {
+        check_vertical(up.first().map_or(0.0, |scale| *scale), z - k)?;
+    }
     let none = optional(file.get_tag_ascii_string(Tag::GdalNodata))?;
-    let none = none.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
+    let none = none.map_or(Ok(None), |text| height_of_none(&text))?;
+    let is_told =
+        |beside: f64| none.is_some_and(|none| is_none(beside, none) || beside.is_nan() && none.is_nan());
+    if let Some(beside) = beside.filter(|beside| !is_told(*beside)) {
+        return Err(refused(&format!(
+            "a side file says that there are no data where the height is {beside}; `gdal_translate -a_nodata {beside} in.tif \
+             out.tif` writes this into the file"
+        )));
+    }
     let size = [columns as usize, rows as usize];
     let bits = bits_of_heights(&mut file)?;
     let mut heights = read_heights(&mut file, size, bits, none.map_or(0.0, |_| f64::NAN))?;
     if let Some(none) = none {
-        let is_none = |height: f64| height == none || height == f64::from(none as f32); // as it was rounded
+        let is_none = |height: f64| is_none(height, none) || height == f64::from(none as f32); // as it was rounded
         heights.iter_mut().filter(|height| is_none(**height)).for_each(|height| *height = f64::NAN);
+    }
+    if let Some(height) = heights.iter().find(|height| height.is_finite() && height.abs() > HUGE) {
+        return Err(refused(&format!(
+            "a height of {height:e}, which is none of a terrain; `gdal_edit.py -a_nodata {height:e} in.tif` says that there \
+             are no data"
+        )));
     }
     // The point of the map lies at a corner of a cell, or in its middle.
     let middle = if keys.is_of_points() { 0.0 } else { 0.5 };
@@ -176,6 +218,46 @@ fn put<'a, T: Copy>(
     }
 }
 
+/// The height that stands for no data, by the number that the text begins with, as GDAL reads it.
+fn height_of_none(text: &str) -> Result<Option<f64>, ReadError> {
+    let text = text.split('\0').next().unwrap_or("");
+    let Some(word) = text.split_whitespace().next() else { return Ok(None) };
+    word.parse().map(Some).map_err(|_| {
+        refused(&format!(
+            "no data where the height is `{word}`, which is no number; `gdal_edit.py -a_nodata -9999 in.tif` names one, \
+             and `gdal_edit.py -unsetnodata in.tif` none"
+        ))
+    })
+}
+
+/// Where a file has a vertical system, GDAL writes scale and offset of its one band beside the size of cells and the
+/// point of the map, and 0 or 1 for no scale.
+fn check_vertical(scale: f64, offset: f64) -> Result<(), ReadError> {
+    if scale != 0.0 && scale != 1.0 {
+        return Err(scaled(&format!("a scale of {scale}")));
+    }
+    if offset == 0.0 { Ok(()) } else { Err(scaled(&format!("an offset of {offset}"))) }
+}
+
+fn scaled(what: &str) -> ReadError {
+    refused(&format!("heights with {what}; `gdal_translate -unscale -ot Float64` writes them as they are"))
+}
+
+/// The height that stands for no data by what GDAL wrote beside the file. Refuses a scale, an offset and a unit there.
+fn of_side_file(text: &str) -> Result<Option<f64>, ReadError> {
+    let value = |name: &str| {
+        let (_, rest) = text.split_once(&format!("<{name}>")).or_else(|| {
+            let (_, rest) = text.split_once(&format!("<{name} "))?;
+            rest.split_once('>').map(|(_, rest)| ("", rest))
+        })?;
+        rest.split('<').next().map(str::trim)
+    };
+    for (name, role) in [("Scale", "scale"), ("Offset", "offset"), ("UnitType", "unittype")] {
+        value(name).map_or(Ok(()), |value| check_role(role, value))?;
+    }
+    value("NoDataValue").map_or(Ok(None), height_of_none)
+}
+
 /// Refuses heights that are other than the numbers in the file: by a scale, an offset or a unit of the first band.
 fn check_band(metadata: &str) -> Result<(), ReadError> {
     for item in metadata.split("<Item").skip(1) {
@@ -184,26 +266,23 @@ fn check_band(metadata: &str) -> Result<(), ReadError> {
         if attribute(head, "sample") != Some("0") {
             continue; // of the file as a whole, or of another band
         }
-        let plain = match attribute(head, "role") {
-            Some("scale") => 1.0,
-            Some("offset") => 0.0,
-            Some("unittype") if METRES.iter().any(|metres| value.eq_ignore_ascii_case(metres)) => continue,
-            Some("unittype") => {
-                return Err(refused(&format!(
-                    "heights in `{value}`; `gdal_calc.py --calc=0.3048*A -A in.tif --outfile=out.tif` puts feet into \
-                     metres"
-                )));
-            }
-            _ => continue,
-        };
-        if value.parse() != Ok(plain) {
-            return Err(refused(&format!(
-                "heights with {} {value}; `gdal_translate -unscale -ot Float64` writes them as they are",
-                if plain == 1.0 { "a scale of" } else { "an offset of" }
-            )));
-        }
+        check_role(attribute(head, "role").unwrap_or(""), value)?;
     }
     Ok(())
+}
+
+/// Refuses a scale, an offset or a unit of heights that changes what the numbers are.
+fn check_role(role: &str, value: &str) -> Result<(), ReadError> {
+    match role {
+        "scale" if value.parse() != Ok(1.0) => Err(scaled(&format!("a scale of {value}"))),
+        "offset" if value.parse() != Ok(0.0) => Err(scaled(&format!("an offset of {value}"))),
+        "unittype" if !METRES.iter().any(|metres| value.eq_ignore_ascii_case(metres)) => {
+            Err(refused(&format!(
+                "heights in `{value}`; `gdal_calc.py --calc=0.3048*A -A in.tif --outfile=out.tif` puts feet into metres"
+            )))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// What stands in quotes after the name of an attribute.
@@ -255,10 +334,27 @@ fn optional<T>(tag: Result<T, TiffError>) -> Result<Option<T>, ReadError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
+    use tiff::encoder::{DirectoryEncoder, TiffEncoder, TiffKindStandard, colortype::Gray32Float};
+
+    const HEIGHTS: [f32; 6] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+
+    /// What tags are written to.
+    type Tags<'a, 'b> = DirectoryEncoder<'a, &'b mut Cursor<Vec<u8>>, TiffKindStandard>;
 
     /// Two rows of three heights with these keys, of which sizes of units stand in `numbers`, and with what GDAL says.
     fn file(keys: &[[u16; 2]], numbers: &[f64], metadata: &str) -> Vec<u8> {
+        file_of(&HEIGHTS, keys, |to| {
+            if !numbers.is_empty() {
+                to.write_tag(Tag::GeoDoubleParamsTag, numbers).unwrap();
+            }
+            if !metadata.is_empty() {
+                to.write_tag(METADATA, metadata).unwrap();
+            }
+        })
+    }
+
+    /// Two rows of three heights with these keys, and with more tags.
+    fn file_of(heights: &[f32], keys: &[[u16; 2]], more: impl FnOnce(&mut Tags)) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
         let mut file = TiffEncoder::new(&mut bytes).unwrap();
         let mut image = file.new_image::<Gray32Float>(3, 2).unwrap();
@@ -271,14 +367,126 @@ mod tests {
         to.write_tag(Tag::GeoKeyDirectoryTag, &list[..]).unwrap();
         to.write_tag(Tag::ModelPixelScaleTag, &[10.0, 10.0, 0.0][..]).unwrap();
         to.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, 500.0, 700.0, 0.0][..]).unwrap();
-        if !numbers.is_empty() {
-            to.write_tag(Tag::GeoDoubleParamsTag, numbers).unwrap();
-        }
-        if !metadata.is_empty() {
-            to.write_tag(Tag::Unknown(42112), metadata).unwrap();
-        }
-        image.write_data(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
+        more(to);
+        image.write_data(heights).unwrap();
         bytes.into_inner()
+    }
+
+    /// Where a file has a vertical system, GDAL writes scale and offset of its band as third numbers, and not as XML.
+    #[test]
+    fn a_scale_of_heights_that_stands_at_the_size_of_cells_is_refused() {
+        let of = |keys: &[[u16; 2]], scale: f64, [k, offset]: [f64; 2]| {
+            parse(&file_of(&HEIGHTS, keys, |to| {
+                to.write_tag(Tag::ModelPixelScaleTag, &[10.0, 10.0, scale][..]).unwrap();
+                to.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, k, 500.0, 700.0, offset][..]).unwrap();
+            }))
+        };
+        for keys in [&[[3072, 25832], [4096, 5783]][..], &[[3072, 25832], [4099, 9001]]] {
+            for plain in [0.0, 1.0] {
+                assert!(of(keys, plain, [0.0; 2]).is_ok(), "{keys:?} {plain}");
+            }
+            for (scale, tie, words) in [
+                (0.1, [0.0; 2], "a scale of 0.1"),
+                (-1.0, [0.0; 2], "a scale of -1"),
+                (f64::NAN, [0.0; 2], "a scale of NaN"),
+                (1.0, [0.0, 1000.0], "an offset of 1000"),
+                (0.0, [0.0, -5.0], "an offset of -5"),
+                (1.0, [3.0, 0.0], "an offset of -3"),
+            ] {
+                let error = of(keys, scale, tie).unwrap_err().to_string();
+                assert!(error.contains(words) && error.contains("`gdal_translate -unscale"), "{error}");
+            }
+        }
+        // Without a vertical system these numbers say nothing of heights.
+        assert!(of(&[[3072, 25832]], 10.0, [0.0, 7.0]).is_ok());
+    }
+
+    /// GDAL takes the number that the text begins with.
+    #[test]
+    fn the_height_that_is_none_is_read_as_gdal_reads_it() {
+        let of = |text: &str, heights: &[f32; 6]| {
+            parse(&file_of(heights, &[], |to| to.write_tag(Tag::GdalNodata, text).unwrap()))
+        };
+        let mut heights = HEIGHTS;
+        heights[0] = -9999.0;
+        for text in ["-9999", "-9999 ", "-9999\n", " -9999\t", "-9999 0", "-9.999e3\r\n"] {
+            let heights = of(text, &heights).unwrap().heights;
+            assert!(heights[0].is_nan() && heights[1] == 2.0, "{text:?}: {heights:?}");
+        }
+        for text in ["nan", "NaN\n", "-nan", "", " ", "inf"] {
+            assert_eq!(of(text, &heights).unwrap().heights[0], -9999.0, "{text:?}");
+        }
+        for text in ["none", "-9999;", "-9999,5"] {
+            let error = of(text, &heights).unwrap_err().to_string();
+            assert!(error.contains(text) && error.contains("`gdal_edit.py -a_nodata"), "{error}");
+        }
+        // As in ASCII grids six digits of a huge number decide.
+        heights[0] = f32::MIN;
+        for text in ["-3.40282e+38", "-3.4028234663852886e+38", "-3.4028235e38"] {
+            assert!(of(text, &heights).unwrap().heights[0].is_nan(), "{text}");
+        }
+        for text in ["", "-9999", "1e31"] {
+            let error = of(text, &heights).unwrap_err().to_string();
+            assert!(error.contains("a height of -3.4028") && error.contains("-a_nodata"), "{error}");
+        }
+        heights[0] = f32::INFINITY;
+        assert!(of("", &heights).is_ok());
+    }
+
+    #[test]
+    fn coordinates_of_a_geographic_system_alone_are_degrees() {
+        let error = parse(&file(&[[2048, 4326]], &[], "")).unwrap_err().to_string();
+        assert!(error.contains("coordinates in degrees; `gdalwarp -t_srs"), "{error}");
+        for keys in
+            [&[[2048, 4326], [3072, 32632]][..], &[[1024, 1], [2048, 4326]], &[[2048, 4258], [3076, 9001]]]
+        {
+            assert!(parse(&file(keys, &[], "")).is_ok(), "{keys:?}");
+        }
+    }
+
+    /// The bytes of numbers the other way around, and the form for large files.
+    #[test]
+    fn every_form_of_tiff_is_read() {
+        let mut bytes = Cursor::new(Vec::new());
+        let mut file = TiffEncoder::new_big(&mut bytes).unwrap();
+        let mut image = file.new_image::<Gray32Float>(3, 2).unwrap();
+        image.encoder().write_tag(Tag::ModelPixelScaleTag, &[10.0, 10.0, 0.0][..]).unwrap();
+        image.encoder().write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, 500.0, 700.0, 0.0][..]).unwrap();
+        image.write_data(&HEIGHTS).unwrap();
+        let large = bytes.into_inner();
+
+        // Width, height, bits, compression, meaning, place, samples, rows and bytes of the strip, real numbers.
+        let tags = [
+            [256, 3],
+            [257, 2],
+            [258, 32],
+            [259, 1],
+            [262, 1],
+            [273, 8],
+            [277, 1],
+            [278, 2],
+            [279, 24],
+            [339, 3],
+        ];
+        let mut turned = b"MM\0\x2a\0\0\0\x68".to_vec(); // directory behind 24 and 72 bytes of data
+        HEIGHTS.iter().for_each(|height| turned.extend(height.to_be_bytes()));
+        let numbers = [10.0, 10.0, 0.0, 0.0, 0.0, 0.0, 500.0, 700.0, 0.0_f64];
+        numbers.iter().for_each(|number| turned.extend(number.to_be_bytes()));
+        turned.extend((tags.len() as u16 + 2).to_be_bytes());
+        let mut entry = |tag: u16, kind: u16, count: u32, value: u32| {
+            turned.extend([tag.to_be_bytes(), kind.to_be_bytes()].concat());
+            turned.extend([count.to_be_bytes(), value.to_be_bytes()].concat());
+        };
+        tags.iter().for_each(|&[tag, value]| entry(tag, 4, 1, u32::from(value)));
+        entry(33550, 12, 3, 32);
+        entry(33922, 12, 6, 56);
+        turned.extend([0; 4]);
+
+        for bytes in [large, turned] {
+            assert!(crate::raster::is_tiff(&bytes));
+            let raster = parse(&bytes).unwrap();
+            assert_eq!([raster.height([505.0, 695.0]), raster.height([525.0, 685.0])], [1.0, 6.0]);
+        }
     }
 
     fn item(attributes: &str, value: &str) -> String {

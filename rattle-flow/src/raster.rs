@@ -10,7 +10,7 @@ const NONE: f64 = -9999.0;
 /// What ESRI's `cellsize` says, and GDAL's `dx` and `dy` need not.
 const SQUARES: &str = "square cells (`gdalwarp -tr` makes them, `gdal_translate -of AAIGrid` writes them)";
 /// No height of a terrain is as large: such numbers stand for no data, and are written with more or fewer digits.
-const HUGE: f64 = 1e30;
+pub(crate) const HUGE: f64 = 1e30;
 /// What numbers of six digits may differ by.
 const SIX_DIGITS: f64 = 1e-5;
 
@@ -33,16 +33,29 @@ impl Raster {
     /// Reads a file: an ASCII grid, or with the feature `geotiff` a GeoTIFF of one band, north up, on square cells in
     /// metres. A GeoTIFF that names other units or a system in other units, or a scale or an offset of heights, is
     /// refused. One that names neither units nor a system counts as in metres. Where blocks of a GeoTIFF were left out,
-    /// there are no data, or the height is 0 if no number stands for no data.
+    /// there are no data, or the height is 0 if no number stands for no data. Finite heights above 10³⁰ in size are
+    /// refused, unless they stand for no data.
+    ///
+    /// Of files beside a GeoTIFF a mask (`.msk`) is refused, and what GDAL writes (`.aux.xml`) if it has a scale, an
+    /// offset, a unit other than metres, or another number for no data than the file. Others are not looked at, and
+    /// none beside an ASCII grid.
     ///
     /// # Errors
     /// [`ReadError`], for an ASCII grid with the number of the line.
     pub fn read(path: impl AsRef<Path>) -> Result<Raster, ReadError> {
         let path = path.as_ref();
         let bytes = bytes(path)?;
-        #[cfg(feature = "geotiff")]
-        if crate::geotiff::is_tiff(&bytes) {
-            return crate::geotiff::parse(&bytes);
+        if is_tiff(&bytes) {
+            #[cfg(feature = "geotiff")]
+            return crate::geotiff::read(path, &bytes);
+            #[cfg(not(feature = "geotiff"))]
+            return Err(ReadError::Io {
+                path: path.display().to_string(),
+                source: std::io::Error::new(
+                    std::io::ErrorKind::Unsupported,
+                    "a GeoTIFF, which needs the feature `geotiff` of rattle-flow",
+                ),
+            });
         }
         Raster::parse(&text(path, bytes)?)
     }
@@ -107,13 +120,11 @@ impl Raster {
         let Some(count) = columns.checked_mul(rows).filter(|count| *count <= text.len()) else {
             return Err(words.wrong("a size with as many cells as there are heights", "a larger one"));
         };
-        let slack = if none.is_finite() && none.abs() > HUGE { SIX_DIGITS * none.abs() } else { 0.0 };
         let mut heights = Vec::with_capacity(count);
         for i in 0..count {
             let word = if i == 0 { start } else { words.next().unwrap_or("") };
             let height: f64 = word.parse().map_err(|_| words.wrong("a height", word))?;
-            let is_none = height == none || (height - none).abs() <= slack;
-            heights.push(if is_none { f64::NAN } else { height });
+            heights.push(if is_none(height, none) { f64::NAN } else { height });
         }
         if let Some(word) = words.next() {
             return Err(words.wrong("the end of the file", word));
@@ -188,6 +199,17 @@ impl Raster {
         });
         Ok((Mesh::new(points, triangles.collect())?, heights))
     }
+}
+
+/// Whether a file begins as TIFF does, or as its form for large files.
+pub(crate) fn is_tiff(bytes: &[u8]) -> bool {
+    [b"II\x2a\0", b"MM\0\x2a", b"II\x2b\0", b"MM\0\x2b"].iter().any(|magic| bytes.starts_with(*magic))
+}
+
+/// Whether a height stands for no data: of a huge one six digits decide.
+pub(crate) fn is_none(height: f64, none: f64) -> bool {
+    let slack = if none.is_finite() && none.abs() > HUGE { SIX_DIGITS * none.abs() } else { 0.0 };
+    height == none || (height - none).abs() <= slack
 }
 
 /// The next word as the side of a cell.

@@ -2,6 +2,7 @@
 
 const MODEL: u16 = 1024;
 const GEOGRAPHIC: u16 = 2;
+const GEOGRAPHIC_SYSTEM: u16 = 2048;
 const PIXEL_IS: u16 = 1025;
 const POINT: u16 = 2;
 const SYSTEM: u16 = 3072;
@@ -9,6 +10,9 @@ const UNITS: u16 = 3076;
 const SIZE_OF_UNIT: u16 = 3077;
 const SYSTEM_OF_HEIGHTS: u16 = 4096;
 const UNITS_OF_HEIGHTS: u16 = 4099;
+/// Keys of projected systems, and of vertical ones.
+const PROJECTED: std::ops::RangeInclusive<u16> = 3072..=4095;
+const VERTICAL: std::ops::RangeInclusive<u16> = 4096..=5119;
 const UNDEFINED: u16 = 0;
 const METRE: u16 = 9001;
 const OF_A_USER: u16 = 32767;
@@ -37,9 +41,22 @@ impl Keys {
         self.get(PIXEL_IS) == Some(POINT)
     }
 
+    /// Whether a vertical system is named, or a part of one.
+    pub(super) fn has_vertical_system(&self) -> bool {
+        self.has_one_of(VERTICAL)
+    }
+
+    fn has_one_of(&self, wanted: std::ops::RangeInclusive<u16>) -> bool {
+        self.keys.as_chunks::<4>().0.iter().skip(1).any(|key| wanted.contains(&key[0]))
+    }
+
     /// An error for what is not in metres, with what to try.
     pub(super) fn check(&self) -> Result<(), String> {
-        if self.get(MODEL) == Some(GEOGRAPHIC) {
+        let is_geographic = match self.get(MODEL) {
+            Some(model) => model == GEOGRAPHIC,
+            None => self.get(GEOGRAPHIC_SYSTEM).is_some() && !self.has_one_of(PROJECTED),
+        };
+        if is_geographic {
             return Err("coordinates in degrees; `gdalwarp -t_srs EPSG:…` puts them into metres".into());
         }
         let named = |key| self.get(key).filter(|system| *system != OF_A_USER);
