@@ -1,7 +1,7 @@
 //! Meshes of Gmsh: its format `.msh`, versions 2.2 and 4.1, in ASCII.
 
 use crate::mesh::{Mesh, signed_area};
-use crate::read::{ReadError, Words, file};
+use crate::read::{ReadError, Words, bytes};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -14,13 +14,16 @@ impl Mesh {
     /// Reads the triangles of a file written by Gmsh, projected to the plane. Points, lines and solids, and nodes that
     /// belong to no triangle, are left out. The remaining nodes are renumbered in order. If all triangles are
     /// clockwise, they are reversed. A triangle that is written once for each of its physical groups is one triangle.
+    /// A file that contradicts itself is refused: by more or fewer nodes or elements than it announces, a node that is
+    /// there twice, or a triangle of a node that is not there.
     ///
     /// # Errors
     /// [`ReadError`], with the number of the line. [`ReadError::Hole`] for quadrangles and elements of higher order.
     #[doc(alias = "load")]
     #[doc(alias = "msh")]
     pub fn read_gmsh(path: impl AsRef<Path>) -> Result<Mesh, ReadError> {
-        Mesh::from_gmsh(&file(path.as_ref())?)
+        // Names of groups may be in any encoding, and files that are no text say so in their first section.
+        Mesh::from_gmsh(&String::from_utf8_lossy(&bytes(path.as_ref())?))
     }
 
     /// As [`read_gmsh`](Mesh::read_gmsh), from the text of such a file.
@@ -38,6 +41,15 @@ impl Mesh {
         let mut words = Words::of(text);
         let (mut is_new, mut nodes, mut triangles) = (None, None, None);
         while let Some(word) = words.next() {
+            let is_there = match word {
+                "$MeshFormat" => is_new.is_some(),
+                "$Nodes" => nodes.is_some(),
+                "$Elements" => triangles.is_some(),
+                _ => false,
+            };
+            if is_there {
+                return Err(words.wrong("each section once", word));
+            }
             match word {
                 "$MeshFormat" => is_new = Some(version(&mut words)?),
                 "$Nodes" => nodes = Some(read_nodes(&mut words, is_new)?),
@@ -71,16 +83,40 @@ fn place(words: &mut Words) -> Result<[f64; 2], ReadError> {
     Ok(place)
 }
 
+/// The number of a node that is new.
+fn named(words: &mut Words, seen: &mut HashSet<u64>) -> Result<u64, ReadError> {
+    let name = words.number("the number of a node")?;
+    if seen.insert(name) { Ok(name) } else { Err(words.wrong("each node once", &name.to_string())) }
+}
+
+/// The end of a section whose blocks, if it has any, hold what is announced for all of them.
+fn ended(
+    words: &mut Words,
+    [end, in_blocks]: [&'static str; 2],
+    counts: [usize; 2],
+) -> Result<(), ReadError> {
+    if counts[0] != counts[1] {
+        return Err(words.wrong(in_blocks, &counts[0].to_string()));
+    }
+    let found = words.next().unwrap_or("");
+    if end.contains(&format!("`{found}`")) { Ok(()) } else { Err(words.wrong(end, found)) }
+}
+
 fn read_nodes(words: &mut Words, is_new: Option<bool>) -> Result<Vec<Node>, ReadError> {
-    let mut nodes = Vec::new();
+    let told =
+        ["`$EndNodes` behind as many nodes as are announced", "as many nodes in all blocks as are announced"];
+    let (mut nodes, mut seen) = (Vec::new(), HashSet::new());
     if !is_new.ok_or(ReadError::Missing { section: "$MeshFormat" })? {
-        for _ in 0..words.number::<usize>("the number of nodes")? {
-            nodes.push((words.number("the number of a node")?, place(words)?));
+        let count = words.number::<usize>("the number of nodes")?;
+        for _ in 0..count {
+            nodes.push((named(words, &mut seen)?, place(words)?));
         }
+        ended(words, told, [count; 2])?;
         return Ok(nodes);
     }
     let blocks = words.number::<usize>("the number of blocks")?;
-    for _ in 0..3 {
+    let announced = words.number::<usize>("the number of nodes")?;
+    for _ in 0..2 {
         words.number::<u64>("numbers of nodes")?;
     }
     for _ in 0..blocks {
@@ -90,7 +126,7 @@ fn read_nodes(words: &mut Words, is_new: Option<bool>) -> Result<Vec<Node>, Read
         let count = words.number::<usize>("the number of nodes")?;
         let first = nodes.len();
         for _ in 0..count {
-            nodes.push((words.number("the number of a node")?, [0.0; 2]));
+            nodes.push((named(words, &mut seen)?, [0.0; 2]));
         }
         for i in 0..count {
             nodes[first + i].1 = place(words)?;
@@ -99,12 +135,17 @@ fn read_nodes(words: &mut Words, is_new: Option<bool>) -> Result<Vec<Node>, Read
             }
         }
     }
+    ended(words, told, [nodes.len(), announced])?;
     Ok(nodes)
 }
 
-fn corners(words: &mut Words) -> Result<[u64; 3], ReadError> {
+/// A triangle by the numbers of its nodes, and its line.
+type Triangle = ([u64; 3], usize);
+
+fn corners(words: &mut Words) -> Result<Triangle, ReadError> {
     let mut corner = || words.number("the number of a node");
-    Ok([corner()?, corner()?, corner()?])
+    let corners = [corner()?, corner()?, corner()?];
+    Ok((corners, words.line()))
 }
 
 /// Reads past an element that is none of a surface.
@@ -132,10 +173,15 @@ fn skipped(words: &mut Words, kind: usize) -> Result<(), ReadError> {
     (0..count).try_for_each(|_| words.number::<u64>("the number of a node").map(drop))
 }
 
-fn read_triangles(words: &mut Words, is_new: Option<bool>) -> Result<Vec<[u64; 3]>, ReadError> {
+fn read_triangles(words: &mut Words, is_new: Option<bool>) -> Result<Vec<Triangle>, ReadError> {
+    let told = [
+        "`$EndElements` behind as many elements as are announced",
+        "as many elements in all blocks as are announced",
+    ];
     let mut triangles = Vec::new();
     if !is_new.ok_or(ReadError::Missing { section: "$MeshFormat" })? {
-        for _ in 0..words.number::<usize>("the number of elements")? {
+        let count = words.number::<usize>("the number of elements")?;
+        for _ in 0..count {
             words.number::<u64>("the number of an element")?;
             let kind = words.number::<usize>("the kind of an element")?;
             for _ in 0..words.number::<usize>("the number of tags")? {
@@ -143,38 +189,54 @@ fn read_triangles(words: &mut Words, is_new: Option<bool>) -> Result<Vec<[u64; 3
             }
             if kind == TRIANGLE { triangles.push(corners(words)?) } else { skipped(words, kind)? }
         }
+        ended(words, told, [count; 2])?;
         return Ok(triangles);
     }
     let blocks = words.number::<usize>("the number of blocks")?;
-    for _ in 0..3 {
+    let announced = words.number::<usize>("the number of elements")?;
+    for _ in 0..2 {
         words.number::<u64>("numbers of elements")?;
     }
+    let mut elements = 0;
     for _ in 0..blocks {
         words.number::<usize>("a dimension")?;
         words.number::<i64>("the number of an entity")?;
         let kind = words.number::<usize>("the kind of an element")?;
         for _ in 0..words.number::<usize>("the number of elements")? {
             words.number::<u64>("the number of an element")?;
+            elements += 1;
             if kind == TRIANGLE { triangles.push(corners(words)?) } else { skipped(words, kind)? }
         }
     }
+    ended(words, told, [elements, announced])?;
     Ok(triangles)
 }
 
-fn built(nodes: Vec<Node>, mut named: Vec<[u64; 3]>) -> Result<Mesh, ReadError> {
+fn built(nodes: Vec<Node>, mut named: Vec<Triangle>) -> Result<Mesh, ReadError> {
     let mut seen = HashSet::new();
-    named.retain(|corners| {
+    named.retain(|(corners, _)| {
         let mut corners = *corners;
         corners.sort_unstable();
         seen.insert(corners)
     });
-    let used: HashSet<u64> = named.iter().flatten().copied().collect();
+    let used: HashSet<u64> = named.iter().flat_map(|(corners, _)| *corners).collect();
     let nodes: Vec<Node> = nodes.into_iter().filter(|(name, _)| used.contains(name)).collect();
     let index: HashMap<u64, u32> = nodes.iter().enumerate().map(|(i, (name, _))| (*name, i as u32)).collect();
     let points: Vec<[f64; 2]> = nodes.iter().map(|(_, place)| *place).collect();
-    let number = |name: u64| index.get(&name).copied().unwrap_or(u32::MAX);
-    let mut triangles: Vec<[u32; 3]> = named.into_iter().map(|corners| corners.map(number)).collect();
-    let place = |vertex: u32| points.get(vertex as usize).copied().unwrap_or([f64::NAN; 2]);
+    let mut triangles = Vec::with_capacity(named.len());
+    for (corners, line) in named {
+        let number = |name: u64| {
+            let expected = "a node of the section `$Nodes`";
+            index.get(&name).copied().ok_or_else(|| ReadError::Word {
+                line,
+                expected,
+                found: name.to_string(),
+            })
+        };
+        let [a, b, c] = corners.map(number);
+        triangles.push([a?, b?, c?]);
+    }
+    let place = |vertex: u32| points[vertex as usize];
     if triangles.iter().all(|corners| signed_area(corners.map(place)) < 0.0) {
         triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
     }

@@ -100,10 +100,6 @@ impl<'a> Words<'a> {
     }
 }
 
-pub(crate) fn file(path: &Path) -> Result<String, ReadError> {
-    text(path, bytes(path)?)
-}
-
 pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
     std::fs::read(path).map_err(|source| ReadError::Io { path: path.display().to_string(), source })
 }

@@ -40,11 +40,51 @@ fn what_is_wrong_with_a_file_is_named_with_its_line() {
     assert!(matches!(error(&SQUARE.replace("2.2 0", "2.2 1")), ReadError::Version { .. }));
     assert!(matches!(error(&SQUARE.replace("2.2 0", "3.0 0")), ReadError::Version { .. }));
     assert!(matches!(error("hello"), ReadError::Missing { .. }));
-    assert!(matches!(
-        error(&SQUARE.replace("10 30 40", "10 30 41")),
-        ReadError::Mesh(MeshError::NoVertex { triangle: 1, .. })
-    ));
+    assert_eq!(line(&SQUARE.replace("10 30 40", "10 30 41")), (21, "41".to_owned()));
+    assert_eq!(line(&SQUARE_4.replace("10 40 30", "10 40 31")), (27, "31".to_owned()));
     assert!(matches!(Mesh::read_gmsh("no/such/file"), Err(ReadError::Io { .. })));
+}
+
+/// More or less than a file says of itself, or twice: the line is told.
+#[test]
+fn a_file_of_gmsh_that_contradicts_itself_is_refused() {
+    let cases = [
+        (SQUARE.replace("30 1 1 0", "20 1 1 0"), 12, "each node once", "20"),
+        (SQUARE_4.replace("10\n20\n0", "10\n10\n0"), 12, "each node once", "10"),
+        (SQUARE.replace("$Nodes\n5", "$Nodes\n4"), 14, "`$EndNodes`", "99"),
+        (SQUARE.replace("$Elements\n4", "$Elements\n3"), 21, "`$EndElements`", "4"),
+        (SQUARE_4.replace("2 3 1 3\n1 1", "1 3 1 3\n1 1"), 24, "as many elements", "1"),
+        (SQUARE_4.replace("2 3 1 3\n1 1", "2 4 1 4\n1 1"), 27, "as many elements", "3"),
+        (SQUARE_4.replace("2 4 10 40", "2 5 10 40"), 19, "as many nodes", "4"),
+        (SQUARE_4.replace("2 1 2 2\n", "2 1 2 1\n"), 26, "as many elements", "2"),
+        (format!("{SQUARE}$Elements\n0\n$EndElements\n"), 23, "each section once", "$Elements"),
+        (format!("{SQUARE}$Nodes\n0\n$EndNodes\n"), 23, "each section once", "$Nodes"),
+        (format!("{SQUARE}$MeshFormat\n4.1 0 8\n"), 23, "each section once", "$MeshFormat"),
+    ];
+    for (text, at, wanted, word) in cases {
+        let error = Mesh::from_gmsh(&text).unwrap_err();
+        assert!(
+            matches!(&error, ReadError::Word { line, expected, found }
+                if *line == at && expected.contains(wanted) && found == word),
+            "{at} {wanted} {word}: {error}"
+        );
+    }
+}
+
+/// Files that are no text in UTF-8: what is not names of groups says what it is.
+#[test]
+fn files_of_gmsh_in_bytes_are_told_or_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("square.msh");
+    let mut binary = b"$MeshFormat\n4.1 1 8\n".to_vec();
+    binary.extend([1, 0, 0, 0, b'\n', 0xff, 0xfe, 0x80]);
+    std::fs::write(&path, binary).unwrap();
+    let error = Mesh::read_gmsh(&path).unwrap_err();
+    assert!(matches!(error, ReadError::Version { .. }), "{error}");
+    let latin: Vec<u8> =
+        SQUARE.bytes().flat_map(|byte| if byte == b'w' { vec![0xdc] } else { vec![byte] }).collect();
+    std::fs::write(&path, latin).unwrap();
+    assert_eq!(Mesh::read_gmsh(&path).unwrap(), Mesh::from_gmsh(SQUARE).unwrap());
 }
 
 /// What would be a hole in the mesh is refused, in both versions and whatever its order.
@@ -395,6 +435,46 @@ fn geotiff_that_is_no_terrain_is_refused() {
             assert!(cut.is_none() || at > whole.len() / 2 && cut == sound, "{name}: the first {at} bytes");
         }
     }
+}
+
+/// What GDAL writes beside a file says more of its heights.
+#[test]
+fn geotiff_with_side_files_that_change_its_heights_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let beside = |name: &str, ending: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::copy(by_gdal(name), &path).unwrap();
+        let side = folder.path().join(format!("{name}{ending}"));
+        std::fs::write(&side, text).unwrap();
+        let read = Raster::read(&path).map_err(|error| error.to_string());
+        std::fs::remove_file(side).unwrap();
+        read.map(drop)
+    };
+    let band = |what: &str| {
+        format!("<PAMDataset>\n <PAMRasterBand band=\"1\">\n{what}\n</PAMRasterBand></PAMDataset>")
+    };
+    let (float, sparse) = ("float_deflate.tif", "sparse.tif");
+    let cases = [
+        (float, ".msk", String::new(), "float_deflate.tif.msk"),
+        (float, ".aux.xml", band("<Scale>0.1</Scale>"), "a scale of 0.1; `gdal_translate -unscale"),
+        (float, ".aux.xml", band("<Offset>1000</Offset>"), "an offset of 1000; `gdal_translate -unscale"),
+        (float, ".aux.xml", band("<UnitType>ft</UnitType>"), "heights in `ft`"),
+        (float, ".aux.xml", band("<NoDataValue>7</NoDataValue>"), "`gdal_translate"),
+        (
+            sparse,
+            ".aux.xml",
+            band("<NoDataValue le_hex_endian=\"00\">7.0</NoDataValue>"),
+            "no data where the height is 7; `gdal_translate -a_nodata 7",
+        ),
+    ];
+    for (name, ending, text, words) in cases {
+        let error = beside(name, ending, &text).expect_err(&text);
+        assert!(error.starts_with("GeoTIFF: ") && error.contains(words), "{text}: {error}");
+    }
+    let plain = band(
+        "<Scale>1</Scale><Offset>0.0</Offset><UnitType>m</UnitType><Metadata><MDI key=\"STATISTICS_MEAN\">3</MDI></Metadata>",
+    );
+    assert_eq!(beside(float, ".aux.xml", &plain), Ok(()));
 }
 
 /// As far as rounding goes: corners with decimals, thirds of metres, far from zero as on maps, and beside no data.
