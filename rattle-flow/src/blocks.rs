@@ -2,7 +2,7 @@
 
 use crate::flow::Flow;
 use crate::law::GIVEN;
-use crate::mesh::{signed_area, squared};
+use crate::plane::{signed_area, squared};
 use crate::sparse::Sparse;
 use rattle::lanes::Lanes;
 use rattle::real::Real;

@@ -515,7 +515,7 @@ impl Method for Conservative {
 
     fn mean_flux(&self, flow: &Flow, depth: &[f64]) -> f64 {
         let fluxes = self.flux(flow, depth);
-        let areas = (0..fluxes.len()).map(|triangle| crate::mesh::signed_area(flow.mesh.corners(triangle)));
+        let areas = (0..fluxes.len()).map(|triangle| crate::plane::signed_area(flow.mesh.corners(triangle)));
         let sum: f64 = fluxes.iter().zip(areas).map(|(q, area)| area * q[0].hypot(q[1])).sum();
         sum / flow.mesh.area()
     }

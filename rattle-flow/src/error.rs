@@ -50,6 +50,21 @@ pub enum MeshError {
         /// Where it ends.
         to: usize,
     },
+    /// Two triangles that have no edge in common lie over each other.
+    #[error(
+        "triangles {first} and {second} both cover ({x:.6}, {y:.6}): they overlap; leave one out, or move the one \
+         piece of the mesh away from the other"
+    )]
+    Over {
+        /// One triangle.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// Where both are.
+        x: f64,
+        /// Where both are.
+        y: f64,
+    },
     /// A vertex lies inside the edge of a triangle that does not have it as a vertex.
     #[error(
         "vertex {vertex} hangs on the edge from {from} to {to} of triangle {triangle}; split the triangle there"

@@ -2,8 +2,9 @@
 
 use crate::conservative::Conservative;
 use crate::error::{FlowError, one_for_each_vertex};
-use crate::mesh::{Mesh, centroid, squared};
+use crate::mesh::Mesh;
 use crate::method::Method;
+use crate::plane::{centroid, squared};
 use crate::simulation::Simulation;
 
 /// The law of resistance, whose coefficient is given for each triangle.

@@ -1,6 +1,7 @@
 //! Meshes of Gmsh: its format `.msh`, versions 2.2 and 4.1, in ASCII.
 
-use crate::mesh::{Mesh, signed_area};
+use crate::mesh::Mesh;
+use crate::plane::signed_area;
 use crate::read::{ReadError, Words, bytes};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;

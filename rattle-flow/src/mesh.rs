@@ -1,6 +1,8 @@
 //! Meshes of triangles in the plane.
 
 use crate::error::{FlowError, MeshError, one_for_each_vertex};
+use crate::overlap::{Boundary, Over};
+use crate::plane::{centroid, signed_area, squared};
 use std::collections::HashMap;
 
 /// A vertex of the boundary that is nearer to an edge, or to a vertex, than this part of the edge is meant to be on
@@ -93,7 +95,13 @@ impl Mesh {
                 let (first, second) = (one.min(other) as usize, one.max(other) as usize);
                 Err(MeshError::Seam { first, second, x, y })
             }
-            None => Ok(mesh),
+            None => match mesh.over() {
+                Some(Over { triangles, place: [x, y] }) => {
+                    let [first, second] = [triangles[0].min(triangles[1]), triangles[0].max(triangles[1])];
+                    Err(MeshError::Over { first: first as usize, second: second as usize, x, y })
+                }
+                None => Ok(mesh),
+            },
         }
     }
 
@@ -133,6 +141,12 @@ impl Mesh {
             }
         }
         None
+    }
+
+    /// Where two triangles lie over each other, whose boundary is not [torn](Self::torn).
+    fn over(&self) -> Option<Over> {
+        let Self { points, triangles, boundary, at_boundary, .. } = self;
+        Boundary { points, triangles, edges: boundary, at: at_boundary }.over()
     }
 
     /// The positions of the vertices.
@@ -179,17 +193,4 @@ impl Mesh {
     pub fn at_vertices(&self, f: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
         self.points.iter().map(|&place| f(place)).collect()
     }
-}
-
-/// The area of a triangle, positive if it is counter-clockwise.
-pub(crate) fn signed_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
-    0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]))
-}
-
-pub(crate) fn centroid([a, b, c]: [[f64; 2]; 3]) -> [f64; 2] {
-    [(a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0]
-}
-
-pub(crate) fn squared(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)
 }

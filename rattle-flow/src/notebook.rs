@@ -23,8 +23,8 @@
 use crate::budget::Budget;
 use crate::error::FlowError;
 use crate::flow::{Flow, Resistance};
-use crate::mesh::signed_area;
 use crate::method::{Method, StepInfo, Trouble};
+use crate::plane::signed_area;
 use crate::sparse::Sparse;
 use rattle::lanes::Lanes;
 use rattle::real::Real;

@@ -1,7 +1,7 @@
 //! The outline of a polygon: its sides, divided, and where they meet though they should not.
 
 use crate::error::MeshError;
-use crate::mesh::{signed_area, squared};
+use crate::plane::{signed_area, squared};
 use std::collections::HashMap;
 
 /// The sides of a polygon, divided evenly. From each point a part of a side leads to the next.

@@ -1,8 +1,9 @@
 //! The mesh of a polygon: a lattice of equilateral triangles inside, a Delaunay triangulation with the boundary kept.
 
 use crate::error::MeshError;
-use crate::mesh::{Mesh, squared};
+use crate::mesh::Mesh;
 use crate::outline::{Outline, to_segment};
+use crate::plane::squared;
 use spade::handles::FixedVertexHandle;
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation};
 

@@ -1,6 +1,7 @@
 //! Functions with jumps as depths at vertices.
 
-use crate::mesh::{Mesh, signed_area};
+use crate::mesh::Mesh;
+use crate::plane::signed_area;
 use crate::sparse::Sparse;
 
 /// Each side of a triangle is divided in so many parts to integrate a function.

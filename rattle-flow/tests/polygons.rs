@@ -1,4 +1,5 @@
 //! Meshes of polygons: whole, whatever way they are turned and wherever they lie; and what is no polygon is named.
+//! Meshes of many pieces, which may lie over each other.
 
 use rattle_flow::{Flow, Mesh, MeshError, Resistance};
 
@@ -289,4 +290,138 @@ fn a_hanging_vertex_is_found_wherever_it_is() {
             );
         }
     }
+}
+
+/// Two rings of `count` corners each around a place, with triangles between them; one radius after the other.
+fn ring([x, y]: [f64; 2], radii: [f64; 2], count: u32, first: u32) -> (Vec<[f64; 2]>, Vec<[u32; 3]>) {
+    let corner = |radius: f64, i: u32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(count)).sin_cos();
+        [x + radius * cos, y + radius * sin]
+    };
+    let points = radii.into_iter().flat_map(|radius| (0..count).map(move |i| corner(radius, i))).collect();
+    let triangles = (0..count).flat_map(|i| {
+        let j = (i + 1) % count;
+        let [a, b, c, d] = [i, count + i, count + j, j].map(|vertex| first + vertex);
+        [[a, b, c], [a, c, d]]
+    });
+    (points, triangles.collect())
+}
+
+#[test]
+fn triangles_that_lie_over_each_other_are_refused() {
+    type Piece = (Vec<[f64; 2]>, Vec<[u32; 3]>);
+    let of = |pieces: &[Piece]| {
+        let (mut points, mut triangles) = (Vec::new(), Vec::new());
+        for (own, corners) in pieces {
+            let first = points.len() as u32;
+            triangles.extend(corners.iter().map(|corners| corners.map(|vertex| first + vertex)));
+            points.extend(own);
+        }
+        Mesh::new(points, triangles)
+    };
+    let one = |corners: [[f64; 2]; 3]| (corners.to_vec(), vec![[0, 1, 2]]);
+    let large = one([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]);
+    let around = |place, radii| ring(place, radii, 40, 0);
+    let over = [
+        vec![large.clone(), one([[0.3, 0.3], [1.3, 0.3], [0.3, 1.3]])],
+        vec![one([[0.3, 0.3], [1.3, 0.3], [0.3, 1.3]]), large.clone()],
+        vec![large.clone(), one([[0.3, 0.3], [3.0, 0.5], [0.3, 1.3]])], // crosses one side
+        vec![large.clone(), one([[-0.5, 0.4], [3.0, 0.5], [3.0, 0.7]])], // crosses two
+        vec![around([0.0; 2], [1.0, 2.0]), around([0.0; 2], [1.5, 3.0])],
+        vec![around([0.0; 2], [1.5, 3.0]), around([0.0; 2], [1.0, 2.0])],
+        vec![around([0.0; 2], [1.0, 4.0]), around([0.0; 2], [2.0, 3.0])],
+        vec![around([0.0; 2], [1.0, 2.0]), one([[0.0, -9.0], [9.0, 0.1], [-9.0, 7.0]])], // covered as a whole
+        vec![around([0.0; 2], [1.0, 2.0]), around([3.1, 0.05], [1.0, 2.0])], // as links of a chain
+        vec![
+            // One vertex in both.
+            (large.0.iter().copied().chain([[0.5, 0.2], [0.2, 0.5]]).collect(), vec![[0, 1, 2], [0, 3, 4]]),
+        ],
+        vec![{
+            // A spiral staircase of two rounds.
+            let at = |k: u32| f64::from(k).mul_add(0.3, 0.0).sin_cos();
+            let points = (0..42).flat_map(|k| {
+                let (sin, cos) = at(k);
+                [[cos, sin], [2.0 * cos, 2.0 * sin]]
+            });
+            (
+                points.collect(),
+                (0..41)
+                    .flat_map(|k| [[2 * k, 2 * k + 1, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 2]])
+                    .collect(),
+            )
+        }],
+    ];
+    for (i, pieces) in over.iter().enumerate() {
+        let error = of(pieces).expect_err(&i.to_string());
+        let MeshError::Over { first, second, x, y } = error else { panic!("{i}: {error}") };
+        let all: Vec<[[f64; 2]; 3]> = pieces
+            .iter()
+            .flat_map(|(points, triangles)| triangles.iter().map(|t| t.map(|v| points[v as usize])))
+            .collect();
+        for triangle in [first, second] {
+            let [a, b, c] = all[triangle];
+            let side = |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1]);
+            assert!([side(a, b), side(b, c), side(c, a)].iter().all(|side| *side > -1e-12), "{i}: {error}");
+        }
+        assert!(first != second, "{i}: {error}");
+    }
+    let beside = [
+        vec![around([0.0; 2], [1.0, 2.0]), around([0.0; 2], [0.5, 0.9])], // one in the hole of the other
+        vec![around([0.0; 2], [0.5, 0.9]), around([0.0; 2], [1.0, 2.0]), around([4.1, 0.0], [1.0, 2.0])],
+        vec![(
+            large.0.iter().copied().chain([[-0.5, -0.2], [-0.2, -0.5]]).collect(),
+            vec![[0, 1, 2], [0, 3, 4]],
+        )],
+    ];
+    for (i, pieces) in beside.iter().enumerate() {
+        assert!(of(pieces).is_ok(), "{i}: {}", of(pieces).unwrap_err());
+    }
+}
+
+/// Squares of two triangles that meet in corners alone, as around cells without data, over a square and beside it.
+#[test]
+fn pieces_that_meet_in_corners_are_told_apart() {
+    let squares = |away: f64, large: bool| {
+        let (mut points, mut triangles) = (Vec::new(), Vec::new());
+        for (i, j) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
+            points.push([f64::from(i), f64::from(j)]);
+            if i < 5 && j < 5 && (i + j) % 2 == 0 {
+                let [a, b, c, d] = [6 * i + j, 6 * i + 6 + j, 6 * i + 7 + j, 6 * i + 1 + j];
+                triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        let corner = if large {
+            [[-9.0, -9.0], [30.0, -9.0], [-9.0, 30.0]]
+        } else {
+            [[0.2, 0.1], [0.8, 0.1], [0.8, 0.7]]
+        };
+        points.extend(corner.map(|[x, y]| [x + away, y]));
+        triangles.push([36, 37, 38]);
+        Mesh::new(points, triangles)
+    };
+    for (away, large) in [(0.0, true), (0.0, false), (2.0, false), (4.0, false)] {
+        let error = squares(away, large).unwrap_err();
+        assert!(matches!(error, MeshError::Over { second: 26, .. }), "{away} {large}: {error}");
+    }
+    for (away, large) in [(1.0, false), (3.0, false), (40.0, true)] {
+        assert!(squares(away, large).is_ok(), "{away} {large}");
+    }
+}
+
+/// Many holes and many pieces, far from the origin: looked through in about the time that a mesh takes anyway.
+#[test]
+fn meshes_of_many_pieces_are_looked_through_soon() {
+    let mut points = Vec::new();
+    let mut triangles = Vec::new();
+    for k in 0..3000 {
+        let [x, y] = [f64::from(k % 60), f64::from(k / 60)].map(|x| 5e5 + 3.0 * x);
+        let first = points.len() as u32;
+        let (own, corners) = ring([x, y], [0.5, 1.4], 20, first);
+        points.extend(own);
+        triangles.extend(corners);
+    }
+    let start = std::time::Instant::now();
+    let mesh = Mesh::new(points, triangles).unwrap();
+    assert_eq!(mesh.boundary().len(), 120_000);
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed()); // where each edge met each other: minutes
 }
