@@ -231,9 +231,9 @@ pub(crate) struct Sizes {
 }
 
 impl Sizes {
-    /// The variables but for the time.
+    /// The variables but for the time, whose type may be none that is known.
     pub(crate) fn coordinates(&self) -> usize {
-        self.variables - usize::from(self.time)
+        self.variables.saturating_sub(usize::from(self.time))
     }
 }
 

@@ -12,8 +12,9 @@
 
 use crate::algebra::Scaled;
 use crate::functions::{Binary, Function, functions_of_one, functions_of_two};
-use crate::graph::Graph;
+use crate::graph::{Graph, found_from};
 use crate::node::{Comparison, Id, Node};
+use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_2_SQRT_PI, LOG2_E, LOG10_E};
 
 const THIRD: f64 = 1.0 / 3.0;
@@ -43,31 +44,35 @@ functions_of_two!(derivatives_of_two);
 
 /// The pieces that derivatives are made of.
 impl Graph {
-    /// The product of a factor and the derivative of a branch, of which some arms may be 0. Those stay 0 where the
-    /// factor is infinite, and are no number where it is none. Where the factor is always finite, it is the product.
+    /// The product of a factor and the derivative of a branch, of which some arms may be 0. Those stay 0 where the factor
+    /// is infinite, and are no number where it is none. Where the factor is always finite, it is the product.
     pub(crate) fn product_with_branch(&mut self, factor: Scaled, slope: Scaled) -> Scaled {
         let (Some(by), Some(of)) = (factor.node, slope.node) else { return self.product(&[factor, slope]) };
-        let Node::Select(comparison, a, b, then, other) = *self.node(of) else {
-            return self.product(&[factor, slope]);
-        };
-        if ![then, other].iter().any(|&arm| self.has_a_zero_arm(arm)) || !self.may_be_infinite(by) {
-            return self.product(&[factor, slope]);
-        }
-        let [then, other] = [then, other].map(|arm| {
-            if self.as_constant(arm) == Some(0.0) {
-                return self.zero_or_none(by);
-            }
-            let arm = self.product_with_branch(factor, Scaled::from(arm).times(slope.factor));
-            self.node_of(arm)
+        let graph = &*self;
+        let arms = found_from([of], |id| match *graph.node(id) {
+            Node::Select(_, _, _, then, other) => vec![then, other],
+            _ => vec![],
         });
-        self.select(comparison, a, b, then, other).into()
-    }
-    /// Whether it is 0, or chooses what is.
-    fn has_a_zero_arm(&self, arm: Id) -> bool {
-        match *self.node(arm) {
-            Node::Select(_, _, _, then, other) => self.has_a_zero_arm(then) || self.has_a_zero_arm(other),
-            _ => self.as_constant(arm) == Some(0.0),
+        let is_zero = |id: Id| graph.as_constant(id) == Some(0.0);
+        if arms == [of] || !arms.iter().any(|&arm| is_zero(arm)) || !self.may_be_infinite(by) {
+            return self.product(&[factor, slope]);
         }
+        // Each once, since a chain of conditions names what follows more than once.
+        let mut products: BTreeMap<Id, Id> = BTreeMap::new();
+        for arm in arms {
+            let product = match *self.node(arm) {
+                Node::Select(comparison, a, b, then, other) => {
+                    self.select(comparison, a, b, products[&then], products[&other])
+                }
+                _ if self.as_constant(arm) == Some(0.0) => self.zero_or_none(by),
+                _ => {
+                    let product = self.product(&[factor, Scaled::from(arm).times(slope.factor)]);
+                    self.node_of(product)
+                }
+            };
+            products.insert(arm, product);
+        }
+        products[&of].into()
     }
     /// Whether there is a division by what moves, or what may be one.
     fn may_be_infinite(&self, x: Id) -> bool {

@@ -383,3 +383,16 @@ fn what_is_written_otherwise() {
     }
     assert!(messages("struct A { and } |x, or| x^(1/2) + and * or + x^1 / or").is_empty());
 }
+
+/// A time whose type is not known is one of the mistakes that are told.
+#[test]
+fn variables_of_unknown_types() {
+    for (which, input) in [
+        (Macro::Force, "struct F { k } |x: Real, v: Real, t: Real| -k * x - v * t"),
+        (Macro::Potential, "struct P {} |x: Real, t: Real| x * sin(t)"),
+        (Macro::Potential, "struct P {} |t: Real| t"),
+    ] {
+        let said = messages_of(which, input);
+        assert!(said[0].contains("expected `f64`"), "{input}: {said:?}");
+    }
+}

@@ -89,7 +89,7 @@ fn lets(n: usize, next: impl Fn(String) -> String) -> String {
 #[test]
 fn long_is_fine() {
     type Shape = (&'static str, usize, usize, fn(usize) -> String);
-    let shapes: [Shape; 9] = [
+    let shapes: [Shape; 11] = [
         // name, size, tokens for each, expression
         ("one precedence", 800, 120, |n| {
             format!("|x, y| {}", (0..n).map(|i| format!("x * {i} + y")).collect::<Vec<_>>().join(" - "))
@@ -98,6 +98,14 @@ fn long_is_fine() {
         ("sines", 80, 1600, |n| lets(n, |f| format!("sin({f}) + x"))),
         ("quotients", 80, 3000, |n| lets(n, |f| format!("y / (1 + {f}^2)"))),
         ("branches", 100, 1800, |n| lets(n, |f| format!("if {f} < 0 {{ {f} * y }} else {{ x + {f} }}"))),
+        ("table", 20, 3000, |n| {
+            let pieces = (0..n).map(|i| format!("if x >= {i} && x < {i} + 1 {{ {i} * x^2 + y }} else"));
+            format!("|x, y, z| y * {} {{ z * x }}", pieces.collect::<Vec<_>>().join(" "))
+        }),
+        ("table of parts without a slope", 20, 3000, |n| {
+            let pieces = (0..n).map(|i| format!("if x >= {i} && x < {i} + 1 {{ {i} * x }} else"));
+            format!("|x, y, z| z + ({} {{ 0 }}) / y", pieces.collect::<Vec<_>>().join(" "))
+        }),
         ("norm", 200, 700, |n| format!("|x: [f64; {n}]| norm(x) - 1")),
         ("many variables", 200, 700, |n| format!("|x: [f64; {n}]| sum(i in 0..{n}, x[i]^4) - 1")),
         ("kinks", 200, 900, |n| {

@@ -139,7 +139,14 @@ impl Generated {
             Expr::Tuple(tuple) => all(&mut tuple.elems.iter()),
             Expr::Paren(inner) => self.value(&inner.expr, names),
             Expr::Block(block) => self.run(&block.block.stmts, names),
-            Expr::Path(path) => names[&path.path.segments[0].ident.to_string()].clone(),
+            Expr::Path(path) => {
+                let name = path.path.segments[path.path.segments.len() - 1].ident.to_string();
+                match &name[..] {
+                    "INFINITY" => Value::Number(f64::INFINITY),
+                    "NAN" => Value::Number(f64::NAN),
+                    _ => names[&name].clone(),
+                }
+            }
             Expr::Lit(literal) => match &literal.lit {
                 Lit::Float(x) => Value::Number(x.base10_parse().expect("a number")),
                 Lit::Int(x) => Value::Number(x.base10_parse().expect("a number")),
