@@ -174,6 +174,15 @@ fn a_free_body_that_runs_away_is_told() {
     let error = simulation.run(1000).unwrap_err();
     let Error::Step { step, cause: StepFailure::RanAway { position }, .. } = error else { panic!("{error}") };
     assert!(position[0] > 1e153 && simulation.steps() + 1 == step, "{position:?} in step {step}");
+    let starts = [1e150, 1.0, 1e150].map(|v| State::at([0.0]).moving([v]));
+    let mut ensemble = Scene::point().ensemble(starts, Rattle::new(1e3)).unwrap();
+    ensemble.run(1000);
+    let told = |i| {
+        ensemble
+            .failure(i)
+            .map(|error| matches!(error, Error::Step { cause: StepFailure::RanAway { .. }, .. }))
+    };
+    assert_eq!([0, 1, 2].map(told), [Some(true), None, Some(true)], "{:?}", ensemble.failure(0));
 }
 
 phase_constraint! {

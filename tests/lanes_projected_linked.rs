@@ -187,3 +187,40 @@ fn other_sheets_are_not_taken_in_silence() {
     println!("{right} right, {refused} refused");
     assert!(right > 60, "{right} right, {refused} refused");
 }
+
+/// Nor where a pinned body takes most of a gradient, and those that are free move for it: lanes that go on do so where
+/// simulations do.
+#[test]
+fn other_sheets_beside_pins_are_asked_for_as_alone() {
+    constraint! {
+        struct Gear { k, ratio }
+        |a: [f64; 2], b: [f64; 2]| sin(k * (b[0] - ratio * a[0] + 0.2 * cos(b[1])))
+    }
+    let (mut agree, mut refused, mut other) = (0, 0, 0);
+    for (k, h) in [(10.0, 2.0), (30.0, 1.0), (30.0, 1.5), (100.0, 0.9), (300.0, 0.7), (1e3, 0.7), (1e4, 0.6)]
+    {
+        let scene = Scene::points(2).link(Gear { k, ratio: 10.0 }, [[0, 1]]).pin(0, [0.0, 0.0]);
+        let starts: Vec<_> = (0..32)
+            .map(|i| {
+                let y = 0.1 * f64::from(i);
+                let start = State::of([[0.0, 0.0], [-0.2 * y.cos(), y]]).with_momenta([[0.0; 2], [0.0, 1.5]]);
+                scene.project(&start).unwrap()
+            })
+            .collect();
+        let mut ensemble = scene.ensemble(starts.iter().cloned(), Dop853::new(h)).unwrap();
+        ensemble.run(20);
+        for (i, start) in starts.iter().enumerate() {
+            let ended = scene.simulate(start.clone(), Dop853::new(h)).unwrap().run(20).is_err();
+            match (ended, ensemble.failure(i).is_some()) {
+                (true, true) => refused += 1,
+                (false, false) => agree += 1,
+                _ => other += 1,
+            }
+            let b = ensemble.state(i).positions().nth(1).unwrap();
+            let off = (b[0] + 0.2 * b[1].cos()).abs();
+            assert!(off < 0.1 / k, "k = {k}, h = {h}, trajectory {i}: {off:e} off");
+        }
+    }
+    println!("{agree} go on, {refused} are refused, {other} by one of both");
+    assert!(agree > 100 && refused > 10 && other <= 2, "{agree} {refused} {other}");
+}

@@ -44,8 +44,8 @@ functions_of_two!(derivatives_of_two);
 
 /// The pieces that derivatives are made of.
 impl Graph {
-    /// The product of a factor and the derivative of a branch, of which some arms may be 0. Those stay 0 where the factor
-    /// is infinite, and are no number where it is none. Where the factor is always finite, it is the product.
+    /// The product of a factor and the derivative of a branch, of which some arms may be 0. Those stay 0 where the
+    /// factor is infinite, and are no number where it is none. Where the factor is always finite, it is the product.
     pub(crate) fn product_with_branch(&mut self, factor: Scaled, slope: Scaled) -> Scaled {
         let (Some(by), Some(of)) = (factor.node, slope.node) else { return self.product(&[factor, slope]) };
         let graph = &*self;

@@ -8,7 +8,7 @@ use crate::run::ensemble::linked_row::{Apart, Course, LinkedRow};
 use crate::run::ensemble::linked_stirred::StirredSteps;
 use crate::solve::crowd::EVERY;
 use crate::systems::network::group::LinkGroup;
-use crate::systems::network::in_lanes::{FEW, Numbers, ROW, RowLinks, lost};
+use crate::systems::network::in_lanes::{FEW, Numbers, ROW, RowLinks, lost, ran_away};
 
 /// Rows of so many lanes, whose work is compiled here and not wherever an ensemble is made.
 pub(super) trait Wide<const W: usize> {
@@ -107,7 +107,8 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
             }
         }
         let way = &numbers[plan.places.way..plan.places.way + plan.coordinates];
-        lost(way.iter()).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+        let lost = lost(way.iter()).or_else(|| ran_away(&numbers[plan.places.q..][..plan.coordinates]));
+        lost.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
     }
 }
 

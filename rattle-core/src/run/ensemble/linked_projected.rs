@@ -389,11 +389,17 @@ impl<const W: usize> Work for Others<'_, '_, W> {
         let Stand { course: Course { plan, links, set, .. }, tracks, normals, .. } = stand;
         let [g, shifts] = &mut stand.of_equations;
         for (i, entries) in plan.of_row.iter().enumerate() {
-            let mut square = zeros::<W>();
-            entries.iter().for_each(|&[e, _]| add_product(&mut square, &normals[e], &normals[e]));
+            let (mut square, mut of_free) = (zeros::<W>(), zeros::<W>());
+            for &[e, c] in entries {
+                add_product(&mut square, &normals[e], &normals[e]);
+                if plan.masses[c][1] != 0.0 {
+                    add_product(&mut of_free, &normals[e], &normals[e]);
+                }
+            }
             for l in 0..W {
                 let far = asked.0[l].min(Fused(OF_RADIUS) * radius.0[l]);
-                shifts[i].0[l] = far / square.0[l].sqrt();
+                // What bodies that are free do alone, for those that are pinned too.
+                shifts[i].0[l] = far * square.0[l].sqrt() / of_free.0[l];
             }
         }
         let mut crowded = [0; W];

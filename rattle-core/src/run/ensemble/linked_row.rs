@@ -86,7 +86,7 @@ impl<const D: usize, const W: usize> Pulled<D, W> for LinkedRow {
 
     #[inline(always)]
     fn stays(times: [Number; D]) -> bool {
-        times[0].0 == 0.0
+        times.iter().all(|times| times.0 == 0.0)
     }
 
     #[inline(always)]

@@ -14,7 +14,7 @@ use crate::run::ensemble::linked_stirring::{Answer, RowStirring};
 use crate::run::ensemble::rhythm::{InRhythm, When};
 use crate::run::ensemble::stirred::LARGER;
 use crate::solve::crowd::EVERY;
-use crate::systems::network::in_lanes::{Numbers, Which, lost, zeros};
+use crate::systems::network::in_lanes::{Numbers, Which, lost, ran_away, zeros};
 use std::array::from_fn;
 
 /// Some steps of a row with flows, after so many.
@@ -70,8 +70,9 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
         if stirring.rhythm.renews {
             return self.check();
         }
-        let way = &self.numbers[way..way + n];
-        lost(way.iter()).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+        let q = self.course.plan.places.q;
+        let lost = lost(self.numbers[way..way + n].iter()).or_else(|| ran_away(&self.numbers[q..q + n]));
+        lost.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
     }
 }
 

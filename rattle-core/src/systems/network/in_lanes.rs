@@ -55,6 +55,18 @@ pub(crate) fn lost<'a, const W: usize>(rows: impl Iterator<Item = &'a Numbers<W>
     sum.0.iter().position(|sum| sum.0 != 0.0)
 }
 
+/// The first lane in which one of these is so large that its square is no number: a body that has run away.
+#[inline(always)]
+pub(crate) fn ran_away<const W: usize>(places: &[Numbers<W>]) -> Option<usize> {
+    let mut sum = zeros::<W>();
+    for row in places {
+        for l in 0..W {
+            sum.0[l] = sum.0[l] + Fused(0.0) * (row.0[l] * row.0[l]);
+        }
+    }
+    sum.0.iter().position(|sum| sum.0 != 0.0)
+}
+
 /// Puts numbers into a lane.
 #[inline(always)]
 pub(crate) fn put<const N: usize, const W: usize>(rows: &mut [Numbers<W>; N], l: usize, x: [Number; N]) {
