@@ -83,9 +83,9 @@ fn parse_with(bytes: &[u8], beside: Option<f64>) -> Result<Raster, ReadError> {
     let is_told =
         |beside: f64| none.is_some_and(|none| is_none(beside, none) || beside.is_nan() && none.is_nan());
     if let Some(beside) = beside.filter(|beside| !is_told(*beside)) {
+        let how = says_none(none, beside);
         return Err(refused(&format!(
-            "a side file says that there are no data where the height is {beside}; `gdal_translate -a_nodata {beside} in.tif \
-             out.tif` writes this into the file"
+            "a side file says that there are no data where the height is {beside}; {how}"
         )));
     }
     let size = [columns as usize, rows as usize];
@@ -96,10 +96,8 @@ fn parse_with(bytes: &[u8], beside: Option<f64>) -> Result<Raster, ReadError> {
         heights.iter_mut().filter(|height| is_none(**height)).for_each(|height| *height = f64::NAN);
     }
     if let Some(height) = heights.iter().find(|height| height.is_finite() && height.abs() > HUGE) {
-        return Err(refused(&format!(
-            "a height of {height:e}, which is none of a terrain; `gdal_edit.py -a_nodata {height:e} in.tif` says that there \
-             are no data"
-        )));
+        let how = says_none(none, *height);
+        return Err(refused(&format!("a height of {height:e}, which is none of a terrain; {how}")));
     }
     // The point of the map lies at a corner of a cell, or in its middle.
     let middle = if keys.is_of_points() { 0.0 } else { 0.5 };
@@ -215,6 +213,17 @@ fn put<'a, T: Copy>(
 ) {
     for (from, to) in from.chunks_exact(width).zip(to) {
         to.iter_mut().zip(from).for_each(|(to, from)| *to = as_height(*from));
+    }
+}
+
+/// What has such heights stand for no data, beside those that do already: a file names one number alone.
+fn says_none(none: Option<f64>, height: f64) -> String {
+    match none {
+        Some(none) => format!(
+            "`gdal_calc.py -A in.tif --calc=\"numpy.where(numpy.isclose(A, {height:e}), {none:?}, A)\" --NoDataValue={none:?} \
+             --outfile=out.tif` has them stand for no data, as those of {none:?} do"
+        ),
+        None => format!("`gdal_edit.py -a_nodata {height:e} in.tif` says that there are no data"),
     }
 }
 
@@ -425,9 +434,11 @@ mod tests {
         for text in ["-3.40282e+38", "-3.4028234663852886e+38", "-3.4028235e38"] {
             assert!(of(text, &heights).unwrap().heights[0].is_nan(), "{text}");
         }
-        for text in ["", "-9999", "1e31"] {
+        for (text, advice) in
+            [("", "-a_nodata -3.4"), ("-9999", "--NoDataValue=-9999.0 "), ("1e31", "--NoDataValue=1e31 ")]
+        {
             let error = of(text, &heights).unwrap_err().to_string();
-            assert!(error.contains("a height of -3.4028") && error.contains("-a_nodata"), "{error}");
+            assert!(error.contains("a height of -3.4028") && error.contains(advice), "{error}");
         }
         heights[0] = f32::INFINITY;
         assert!(of("", &heights).is_ok());

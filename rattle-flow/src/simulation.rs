@@ -114,9 +114,9 @@ impl<M: Method> Simulation<M> {
     ///
     /// A step with an error above the tolerance is repeated with a shorter step size. The first step has the length
     /// given at the start, with S as its error, and no step is longer than `longest`. One that fails is divided by
-    /// four, six times at most, until a step is made: down to 1/4096 of it, as by [`step`](Simulation::step). Errors of
-    /// steps add up: the final error is about the number of steps times the tolerance. Returns the number of rejected
-    /// steps.
+    /// four until a step is made: down to 1/4096 of it, as by [`step`](Simulation::step), and of the first one. Errors
+    /// of steps add up: the final error is about the number of steps times the tolerance. Returns the number of
+    /// rejected steps.
     ///
     /// Rain and inflow are looked at at five instants of a step: beside its ends, within 10⁻⁹ of it or 8 roundings of
     /// the time, and at 11 %, 50 % and 89 % of it. **What begins and ends between two of them is missed**, in the
@@ -177,7 +177,9 @@ impl<M: Method> Simulation<M> {
                 }
                 Err(trouble) => {
                     (next, thrown, failed) = (step * growth, thrown + 1, failed + 1);
-                    if failed > QUARTERS || next < self.step * SHORTEST {
+                    // Also of the first step: what has grown long is not given up before that was tried.
+                    let is_short = step <= self.step * 0.25_f64.powi(QUARTERS as i32);
+                    if failed > QUARTERS && is_short || next < self.step * SHORTEST {
                         return Err(self.error(step, trouble));
                     }
                 }
