@@ -220,10 +220,10 @@ fn put<'a, T: Copy>(
 fn says_none(none: Option<f64>, height: f64) -> String {
     match none {
         Some(none) => format!(
-            "`gdal_calc.py -A in.tif --calc=\"numpy.where(numpy.isclose(A, {height:e}), {none:?}, A)\" --NoDataValue={none:?} \
+            "`gdal_calc.py -A in.tif --calc=\"numpy.where(numpy.isclose(A, {height:?}), {none:?}, A)\" --NoDataValue={none:?} \
              --outfile=out.tif` has them stand for no data, as those of {none:?} do"
         ),
-        None => format!("`gdal_edit.py -a_nodata {height:e} in.tif` says that there are no data"),
+        None => format!("`gdal_edit.py -a_nodata {height:?} in.tif` says that there are no data"),
     }
 }
 

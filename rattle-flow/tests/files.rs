@@ -459,12 +459,12 @@ fn geotiff_with_side_files_that_change_its_heights_is_refused() {
         (float, ".aux.xml", band("<Scale>0.1</Scale>"), "a scale of 0.1; `gdal_translate -unscale"),
         (float, ".aux.xml", band("<Offset>1000</Offset>"), "an offset of 1000; `gdal_translate -unscale"),
         (float, ".aux.xml", band("<UnitType>ft</UnitType>"), "heights in `ft`"),
-        (float, ".aux.xml", band("<NoDataValue>7</NoDataValue>"), "`gdal_translate"),
+        (float, ".aux.xml", band("<NoDataValue>7</NoDataValue>"), "isclose(A, 7.0), -9999.0, A)"),
         (
             sparse,
             ".aux.xml",
             band("<NoDataValue le_hex_endian=\"00\">7.0</NoDataValue>"),
-            "no data where the height is 7; `gdal_translate -a_nodata 7",
+            "no data where the height is 7; `gdal_edit.py -a_nodata 7.0 in.tif`",
         ),
     ];
     for (name, ending, text, words) in cases {
