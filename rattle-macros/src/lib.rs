@@ -45,19 +45,20 @@ use rattle_symbolic::{Macro, expand};
 /// equations    [g1, g2]   for i in 0..3, j in i..3 { … }     one row of the Jacobian each, in order
 /// ```
 ///
-/// Indices are constants or loop indices. A comparison of indices and numbers alone is decided at compile time, in
-/// exact fractions, also inside a longer condition: in `if i > 0 && x[i - 1] > 0 { … }` nothing is read at i = 0. A sum
-/// over an empty range is 0, to which an array can be added, and a product 1. An unused variable is written `_z`.
+/// Indices are constants or loop indices. A comparison of indices and numbers, by `+ - * / ^` alone, is decided at
+/// compile time, in exact fractions, also inside a longer condition: in `if i > 0 && x[i - 1] > 0 { … }` nothing is
+/// read at i = 0. A sum over an empty range is 0, to which an array can be added, and a product 1. An unused variable
+/// is written `_z`.
 ///
 /// # What is computed
 ///
 /// `value` is, bit for bit, the expression as written in Rust. Powers are multiplications in a fixed order:
 /// `x^n = x^(n-1) * x` for odd n and `x^(n/2) * x^(n/2)` for even n, `x^(n+1/2) = x^n * sqrt(x)`, `x^-n = 1 / x^n`, and
 /// `x^(n/3)` is the n-th power of `cbrt(x)`; any other exponent is `powf`; an exponent that depends on variables needs
-/// a positive base. An exponent of numbers and indices alone is computed as an exact fraction: `x^(0.1 + 0.2)` is
-/// `x^(3/10)`, where the sum of the two in `f64` would be 0.30000000000000004. `norm` is the root of the sum of
-/// squares; the root of an even power is an absolute value, `sqrt(x^4)` is `abs(x)^2`, also where the power overflows.
-/// `min` and `max` take the first argument on a tie and where either is NaN; `mod(x, y)` is
+/// a positive base. An exponent of numbers and indices, by `+ - * / ^` alone, is computed as an exact fraction:
+/// `x^(0.1 + 0.2)` is `x^(3/10)`, where the sum of the two in `f64` would be 0.30000000000000004. `norm` is the root of
+/// the sum of squares; the root of an even power is an absolute value, `sqrt(x^4)` is `abs(x)^2`, also where the power
+/// overflows. `min` and `max` take the first argument on a tie and where either is NaN; `mod(x, y)` is
 /// `x - y * floor(x / y)`, for periodic functions. Derivatives may be rearranged, the same way in every build. Where a
 /// function has no derivative, these values are taken:
 ///

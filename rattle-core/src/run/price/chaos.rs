@@ -26,8 +26,8 @@ const FEWEST: f64 = 0.125;
 const FURTHER: f64 = 10.0;
 /// Steps of both runs, as part of the longest.
 const STEP: f64 = 0.25;
-/// The part of the time that is left which both runs may take; else they are shorter.
-const SHARE: f64 = 1.0 / 6.0;
+/// The part of the time that is left which both runs of a length may take; else they are shorter.
+const SHARE: f64 = 0.5;
 /// Growth like a power of time is at most of this power.
 const POWER: f64 = 3.0;
 /// Where positions are lost within the pilot, they are compared for this part of the time until then: the reference is
