@@ -53,8 +53,8 @@ impl Graph {
             Node::Select(_, _, _, then, other) => vec![then, other],
             _ => vec![],
         });
-        let is_zero = |id: Id| graph.as_constant(id) == Some(0.0);
-        if arms == [of] || !arms.iter().any(|&arm| is_zero(arm)) || !self.may_be_infinite(by) {
+        let is_zero = |graph: &Graph, arm: Id| graph.as_constant(arm) == Some(0.0);
+        if arms == [of] || !arms.iter().any(|&arm| is_zero(graph, arm)) || !self.may_be_infinite(by) {
             return self.product(&[factor, slope]);
         }
         // Each once, since a chain of conditions names what follows more than once.
@@ -64,7 +64,7 @@ impl Graph {
                 Node::Select(comparison, a, b, then, other) => {
                     self.select(comparison, a, b, products[&then], products[&other])
                 }
-                _ if self.as_constant(arm) == Some(0.0) => self.zero_or_none(by),
+                _ if is_zero(self, arm) => self.zero_or_none(by),
                 _ => {
                     let product = self.product(&[factor, Scaled::from(arm).times(slope.factor)]);
                     self.node_of(product)

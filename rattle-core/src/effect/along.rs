@@ -21,7 +21,7 @@ use crate::effect::one::{Acting, Effect};
 use crate::error::{EffectMistake, Error, refuse_nan};
 use crate::kernel::cut_off::CutOff;
 use crate::kernel::functions::{Constraint, ConstraintKernel, PairKernel, PairPotential};
-use crate::kernel::rounding::allowed;
+use crate::kernel::rounding::{allowed, sizes};
 use crate::kernel::space::Space;
 use crate::kernel::within::{Along, Within};
 use crate::number::lanes::Lane;
@@ -89,7 +89,8 @@ impl<const D: usize> Level<D> {
     /// From g, ∇g and ∇²g ∇g.
     fn of(q: &[f64; D], reach: f64, (value, gradient, bend): (f64, [f64; D], [f64; D])) -> Self {
         let steep = dot(&gradient, &gradient).sqrt();
-        let (allowed, _) = allowed(NEAR, largest(q).max(reach), q, &gradient, &bend);
+        let (along, singular) = sizes(q, &gradient, &bend);
+        let allowed = allowed(NEAR, [largest(q).max(reach), along], singular);
         Self { value, steep, normal: gradient.map(|x| x / steep), allowed }
     }
 

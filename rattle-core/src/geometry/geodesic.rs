@@ -4,7 +4,7 @@ use crate::geometry::conjugate::{from_near, passes, settled};
 use crate::geometry::detour::detours;
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::kernel::geodesic::{Missed, Shot, length, normal, shoot, shoot_along};
-use crate::kernel::rounding::{NOISY, allowed, rounding_of_g, size_along};
+use crate::kernel::rounding::{allowed, noise_of_g, sizes};
 use crate::number::vector::{add_scaled, dot, largest, scaled};
 use nalgebra::SVector;
 
@@ -170,17 +170,13 @@ fn off<K: ConstraintKernel<f64, D, 1>, const D: usize>(kernel: &K, q: &[f64; D],
     let ([value], [gradient]) = kernel.value_and_jacobian(q);
     let length = length(&gradient);
     let [bend] = kernel.hessian_vector(q, &gradient);
-    let (allowed, singular) = allowed(NEAR, size, q, &gradient, &bend);
-    let bent = |shift: f64| {
-        let [there] = kernel.value(&add_scaled(q, shift / length, &gradient));
-        ((there - value) / length - shift).abs()
-    };
-    let rounding = || NOISY * rounding_of_g(size_along(&gradient, length, q), singular, bent);
     let off = value.abs() / length;
     if !(off.is_finite() && length > 0.0 && length.is_finite()) {
         return Some(off);
     }
-    (!(off <= allowed || off <= rounding())).then_some(off) // nor if it is no number
+    let (along, singular) = sizes(q, &gradient, &bend);
+    let rounding = || noise_of_g(kernel, q, (value, &gradient, length), singular);
+    (!(off <= allowed(NEAR, [size, along], singular) || off <= rounding())).then_some(off)
 }
 
 /// Why no geodesic was found.

@@ -1,7 +1,8 @@
 //! What rounding does to g, as a distance across its levels, and how far off a level a place may be.
 
+use crate::kernel::functions::ConstraintKernel;
 use crate::number::real::Real;
-use crate::number::vector::dot;
+use crate::number::vector::{add_scaled, dot};
 
 /// The largest coordinate is too large for a floor if it is more than so many times all coordinates, each as far as it
 /// moves a place along the normal. g itself is rounded too, and not to less than by the largest coordinate where all
@@ -19,7 +20,7 @@ pub(crate) fn size_of_terms<T: Real>(along: T, way: T, most: T) -> T {
 
 /// Σ|nᵢaᵢ|, and the largest |aᵢ|.
 #[inline(always)]
-fn along_and_most<T: Real, const D: usize>(n: &[T; D], a: &[T; D]) -> (T, T) {
+pub(crate) fn along_and_most<T: Real, const D: usize>(n: &[T; D], a: &[T; D]) -> (T, T) {
     let mut most = a[0].abs();
     let mut along = n[0].abs() * most;
     for i in 1..D {
@@ -46,21 +47,18 @@ pub(crate) fn size_along_square<T: Real, const D: usize>(n: &[T; D], over_square
 }
 
 /// Positions of this size are so far apart as they are rounded, some times.
-pub(crate) const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
+const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 
-/// How far a place may be off a level, and the distance to the next place without a normal, which is the size of the
-/// surface: so far as that part of the size, or of the surface if that is smaller, or as rounding. `bend` is ∇²g ∇g.
-pub(crate) fn allowed<const D: usize>(
-    part: f64,
-    size: f64,
-    q: &[f64; D],
-    gradient: &[f64; D],
-    bend: &[f64; D],
-) -> (f64, f64) {
+/// How far off a level a place may be, of coordinates of this size, and of that along the normal: that part of the
+/// size, or of the distance to the next place without a normal, which is the size of the surface; or as rounding.
+pub(crate) fn allowed(part: f64, [coordinates, along]: [f64; 2], singular: f64) -> f64 {
+    (part * coordinates.min(singular)).max(ROUNDINGS * along) // no number is none of them
+}
+
+/// How large coordinates are along the normal, and the distance to the next place without one; from ∇g and ∇²g ∇g.
+pub(crate) fn sizes<const D: usize>(q: &[f64; D], gradient: &[f64; D], bend: &[f64; D]) -> (f64, f64) {
     let square = dot(gradient, gradient);
-    let singular = square / dot(bend, bend).sqrt();
-    let along = size_along(gradient, square.sqrt(), q);
-    ((part * size.min(singular)).max(ROUNDINGS * along), singular) // no number is none of them
+    (size_along(gradient, square.sqrt(), q), square / dot(bend, bend).sqrt())
 }
 
 /// What is taken for rounding of g where it was found to be so many times less.
@@ -93,4 +91,18 @@ pub(crate) fn rounding_of_g(coordinates: f64, singular: f64, mut bent: impl FnMu
         }
         size *= GROWS;
     }
+}
+
+/// What is taken for rounding of g at a place, as a distance, where g is of this value, and ∇g of that length.
+pub(crate) fn noise_of_g<K: ConstraintKernel<f64, D, 1>, const D: usize>(
+    kernel: &K,
+    q: &[f64; D],
+    (value, gradient, length): (f64, &[f64; D], f64),
+    singular: f64,
+) -> f64 {
+    let bent = |shift: f64| {
+        let [there] = kernel.value(&add_scaled(q, shift / length, gradient));
+        ((there - value) / length - shift).abs()
+    };
+    NOISY * rounding_of_g(size_along(gradient, length, q), singular, bent)
 }

@@ -1,7 +1,7 @@
 //! How exactly a start must satisfy its constraints.
 
 use crate::error::StartFailure;
-use crate::kernel::rounding::ROUNDINGS;
+use crate::kernel::rounding;
 
 /// How far a start may be off its constraints, relatively: 1e-10.
 ///
@@ -32,8 +32,8 @@ const OF_A_WAY: f64 = 1e-12;
 /// and the distance to the next point without a normal, which is the size of the surface. More than that is rounding if
 /// g says so, see [`rounding_of_g`](crate::kernel::rounding::rounding_of_g).
 pub(crate) fn allowed([coordinates, along]: [f64; 2], way: f64, singular: f64) -> f64 {
-    let of_size = START_TOLERANCE * coordinates.min(singular);
-    of_size.max(ROUNDINGS * along).max(OF_A_WAY * way.min(singular))
+    let of_size = rounding::allowed(START_TOLERANCE, [coordinates, along], singular);
+    of_size.max(OF_A_WAY * way.min(singular))
 }
 
 /// Whether these numbers are finite.

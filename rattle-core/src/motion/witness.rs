@@ -7,8 +7,7 @@ pub trait Witness<T> {
 
     /// λ of position equation number `equation`; on surfaces, equation i belongs to body i. A composition reports λ of
     /// each of its inner steps in order; a collocation method of S stages reports λ(t) at the start of the step, to
-    /// order S − 1. `Sight::multipliers` has λ(t) of each state to the order of the
-    /// method.
+    /// order S − 1. `Sight::multipliers` has λ(t) of each state to the order of the method.
     fn position_multiplier(&mut self, equation: usize, lambda: T);
     /// μ of the momentum equation; for a collocation method, λ(t) at the end of the step, to order S − 1.
     fn momentum_multiplier(&mut self, equation: usize, mu: T);

@@ -434,11 +434,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let number = match flows {
             true => {
                 // An edge that is to be crossed is found in the whole step.
-                let whole = |failure: &Failure| {
-                    most == 0 || (search.over_kinks && matches!(failure.cause, StepFailure::Kink { .. }))
+                let divides = |failure: &Failure| {
+                    most > 0 && !(search.over_kinks && matches!(failure.cause, StepFailure::Kink { .. }))
                 };
-                let stands = |went: &Result<(), Trouble>| !matches!(went, Err(Trouble::Failed { failure, .. }) if !whole(failure));
-                let went = went.filter(stands).unwrap_or_else(|| stretch.go(method.step_size().abs()));
+                let went = went
+                    .filter(|went| !matches!(went, Err(Trouble::Failed { failure, .. }) if divides(failure)));
+                let went = went.unwrap_or_else(|| stretch.go(method.step_size().abs()));
                 meet(search, &mut stretch, went)
             }
             false => stretch.between_flows(|stretch, went| meet(search, stretch, went)),

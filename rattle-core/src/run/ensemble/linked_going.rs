@@ -8,7 +8,7 @@ use crate::run::ensemble::linked_row::{Apart, Course, LinkedRow};
 use crate::run::ensemble::linked_stirred::StirredSteps;
 use crate::solve::crowd::EVERY;
 use crate::systems::network::group::LinkGroup;
-use crate::systems::network::in_lanes::{FEW, Numbers, ROW, RowLinks, lost, ran_away};
+use crate::systems::network::in_lanes::{FEW, Numbers, ROW, RowLinks};
 
 /// Rows of so many lanes, whose work is compiled here and not wherever an ensemble is made.
 pub(super) trait Wide<const W: usize> {
@@ -106,9 +106,7 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
                 course.look_around((now, &[1; W]), &parts[*part], &[], numbers, &mut pulling)?;
             }
         }
-        let way = &numbers[plan.places.way..plan.places.way + plan.coordinates];
-        let lost = lost(way.iter()).or_else(|| ran_away(&numbers[plan.places.q..][..plan.coordinates]));
-        lost.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+        course.check(numbers)
     }
 }
 

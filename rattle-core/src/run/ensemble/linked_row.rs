@@ -27,7 +27,7 @@ use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::{Pulled, Pulling, Rows};
 use crate::run::ensemble::linked_plan::{LinkedPlan, Links, Places, Takes};
 use crate::systems::network::elimination::LOSSY;
-use crate::systems::network::in_lanes::{Number, Numbers, Which, any, zeros};
+use crate::systems::network::in_lanes::{Number, Numbers, Which, any, lost, ran_away, zeros};
 
 /// So many roundings of the coordinates that a link depends on are left to the last correction. Its matrix is that of
 /// the place before: of a residual r, as a part of coordinates, it leaves some r³ᐟ², which is 1/256 of a rounding then.
@@ -131,6 +131,14 @@ fn each_lane<const N: usize, const W: usize>(
 }
 
 impl<const W: usize> Course<'_, W> {
+    /// Whether all ways are numbers, and no body has run away.
+    #[inline(always)]
+    pub(super) fn check(&self, numbers: &[Numbers<W>]) -> Result<(), Stuck> {
+        let LinkedPlan { places: Places { q, way, .. }, coordinates: n, .. } = self.plan;
+        let lost = lost(numbers[*way..way + n].iter()).or_else(|| ran_away(&numbers[*q..q + n]));
+        lost.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+    }
+
     /// One part of a step.
     #[inline(always)]
     pub(super) fn advance(

@@ -14,7 +14,7 @@ use crate::run::ensemble::linked_stirring::{Answer, RowStirring};
 use crate::run::ensemble::rhythm::{InRhythm, When};
 use crate::run::ensemble::stirred::LARGER;
 use crate::solve::crowd::EVERY;
-use crate::systems::network::in_lanes::{Numbers, Which, lost, ran_away, zeros};
+use crate::systems::network::in_lanes::{Numbers, Which, lost, zeros};
 use std::array::from_fn;
 
 /// Some steps of a row with flows, after so many.
@@ -46,7 +46,7 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
             return Ok(());
         }
         let (from, end, looks) = (self.from, self.from + self.steps, self.looks);
-        let Places { q, trial, way, .. } = self.course.plan.places;
+        let Places { q, trial, .. } = self.course.plan.places;
         let (stirring, n, parts) = (self.stirring, self.course.plan.coordinates, self.course.parts.len());
         self.numbers.copy_within(q..q + n, trial); // where pinned bodies stay
         if from == 0 {
@@ -70,9 +70,7 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
         if stirring.rhythm.renews {
             return self.check();
         }
-        let q = self.course.plan.places.q;
-        let lost = lost(self.numbers[way..way + n].iter()).or_else(|| ran_away(&self.numbers[q..q + n]));
-        lost.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+        self.course.check(self.numbers)
     }
 }
 

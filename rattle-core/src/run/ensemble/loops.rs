@@ -262,7 +262,7 @@ impl<S: Lane> Newton<S> {
     fn improved(&self, residual: S, rest: S) -> (S, S) {
         let [zero, one, two, five, most] = [0.0, 1.0, 2.0, 5.0, 0.0625].map(S::from_f64);
         let change = residual * self.over_slope;
-        let rests = (residual * change).lt(rest);
+        let rests = off_square(residual, self.over_slope).lt(rest);
         let ratio = S::select(rests, zero, residual * self.over_first);
         let ratio = S::select(ratio.lt(most), ratio, most);
         let ratio = S::select((-most).lt(ratio), ratio, -most); // also where g₀ is 0, and the ratio not a number

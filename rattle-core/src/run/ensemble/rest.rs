@@ -1,7 +1,8 @@
 //! When a lane is at rest: after the last correction less is left than places are rounded.
 
-use crate::kernel::rounding::{size_along_square, size_of_terms};
+use crate::kernel::rounding::{along_and_most, size_along_square, size_of_terms};
 use crate::number::lanes::{Lane, is_finite};
+use crate::number::vector::largest;
 use crate::solve::crowd::EVERY;
 use crate::systems::surface::tiles::AT_REST;
 
@@ -36,14 +37,9 @@ pub(super) fn rest_square<S: Lane, const D: usize>(gradient: &[S; D], square: S,
 /// the largest, which is |∇g| |q| to a factor of √3 in space.
 #[inline(always)]
 pub(super) fn at_rest<S: Lane, const D: usize>(gradient: &[S; D], q: &[S; D]) -> S {
-    let (mut longest, mut farthest) = (gradient[0].abs(), q[0].abs());
-    let mut along = longest * farthest;
-    for d in 1..D {
-        let (n, x) = (gradient[d].abs(), q[d].abs());
-        (along, longest, farthest) = (n.multiply_add(x, along), longest.max(n), farthest.max(x));
-    }
+    let (along, farthest) = along_and_most(gradient, q);
     let part = const { roundings::<S>() };
-    S::from_f64(part) * size_of_terms(along, S::default(), longest * farthest)
+    S::from_f64(part) * size_of_terms(along, S::default(), largest(gradient) * farthest)
 }
 
 #[cfg(test)]

@@ -46,22 +46,24 @@ pub(crate) fn at<const N: usize, const W: usize>(rows: &[Numbers<W>; N], l: usiz
 /// The first lane in which one of these is infinite or no number.
 #[inline(always)]
 pub(crate) fn lost<'a, const W: usize>(rows: impl Iterator<Item = &'a Numbers<W>>) -> Option<usize> {
-    let mut sum = zeros::<W>();
-    for row in rows {
-        for l in 0..W {
-            sum.0[l] = sum.0[l] + Fused(0.0) * row.0[l];
-        }
-    }
-    sum.0.iter().position(|sum| sum.0 != 0.0)
+    no_number(rows, |x| x)
 }
 
 /// The first lane in which one of these is so large that its square is no number: a body that has run away.
 #[inline(always)]
 pub(crate) fn ran_away<const W: usize>(places: &[Numbers<W>]) -> Option<usize> {
+    no_number(places.iter(), |x| x * x)
+}
+
+#[inline(always)]
+fn no_number<'a, const W: usize>(
+    rows: impl Iterator<Item = &'a Numbers<W>>,
+    of: impl Fn(Number) -> Number,
+) -> Option<usize> {
     let mut sum = zeros::<W>();
-    for row in places {
+    for row in rows {
         for l in 0..W {
-            sum.0[l] = sum.0[l] + Fused(0.0) * (row.0[l] * row.0[l]);
+            sum.0[l] = sum.0[l] + Fused(0.0) * of(row.0[l]);
         }
     }
     sum.0.iter().position(|sum| sum.0 != 0.0)

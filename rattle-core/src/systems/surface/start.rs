@@ -3,7 +3,7 @@
 use crate::error::{Error, History, StartFailure};
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::{first_kink, sign_changes};
-use crate::kernel::rounding::{NOISY, rounding_of_g, size_along};
+use crate::kernel::rounding::{noise_of_g, size_along};
 use crate::motion::bodies::Body;
 use crate::motion::start::DIRECTION;
 use crate::motion::start::MAX_PROJECTION_STEPS;
@@ -55,11 +55,7 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     }
     let distance = value.abs() / length;
     let tolerance = allowed([coordinates, along], path, singular);
-    let bent = |shift: f64| {
-        let [there] = constraint.value(&add_scaled(&body.q, shift / length, &gradient));
-        ((there - value) / length - shift).abs()
-    };
-    let is_rounding = || distance <= NOISY * rounding_of_g(along, singular, bent);
+    let is_rounding = || distance <= noise_of_g(constraint, &body.q, (value, &gradient, length), singular);
     if distance > tolerance && !is_rounding() {
         return Err(StartFailure::OffSurface { distance, tolerance, value });
     }
