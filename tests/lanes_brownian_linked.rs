@@ -2,14 +2,18 @@
 
 use crate::lanes_brownian::{Ending, Unstable, ends_alike, kept_where_forces_grow, words};
 use crate::lanes_rigid::{Field, start as start_of_top};
+use rattle::Error;
 use rattle::bodies::Many;
 use rattle::effect::Effects;
 use rattle::ensemble::InstructionSet;
+use rattle::error::{RigidFailure, StepFailure};
 use rattle::links::Rod;
 use rattle::links::planar::Rod as PlanarRod;
+use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::network::Network;
 use rattle::potentials::planar::Gravity as PlanarGravity;
 use rattle::prelude::*;
+use rattle::rigid::Rigid;
 
 const MOMENTS: [f64; 3] = [0.6, 0.8, 1.0];
 
@@ -272,4 +276,41 @@ fn they_turn_as_they_should() {
             exact(rate)
         );
     }
+}
+
+/// Of rigid bodies, too, the step that is said to pass does, with the momenta that it has then.
+#[test]
+fn steps_that_are_said_to_pass_do() {
+    let scene = Scene::rigid(Rigid::new([0.5, 0.6, 0.7]));
+    let start = || Rigid::start(&Matrix3::identity(), &Vector3::zeros());
+    let mut failed = 0;
+    for seed in 0..40 {
+        let run = |h| scene.simulate(start(), Brownian::new(1.0, 1.0, seed, h)).unwrap().run(1);
+        let h = 2.0;
+        let Err(Error::Step { cause: StepFailure::Rigid(RigidFailure::TurnsTooFar { passing, .. }), .. }) =
+            run(h)
+        else {
+            continue;
+        };
+        let passing = passing.0.unwrap();
+        assert!(run(passing).is_ok(), "seed {seed}: {passing}");
+        assert!((h / passing).log2() % 2.0 == 0.0, "{passing}");
+        failed += 1;
+    }
+    assert!(failed > 10, "{failed}");
+}
+
+/// A body that noise leads so far that squares of places are no numbers has run away, in lanes too.
+#[test]
+fn who_runs_away_is_told() {
+    let method = Brownian::new(1.0, 1e306, 5, 1.0);
+    let scene = Scene::points(2);
+    let start = || State::of([[1.33e154, 0.0], [0.0, 0.0]]);
+    let alone = scene.simulate(start(), method).unwrap().run(50).unwrap_err();
+    let mut ensemble = scene.ensemble((0..9).map(|_| start()), method).unwrap();
+    assert!(ensemble.plan().in_lanes > 0, "{:?}", ensemble.plan());
+    ensemble.run(50);
+    let is = |error: &Error| matches!(error, Error::Step { cause: StepFailure::RanAway { .. }, .. });
+    assert!(is(&alone), "{alone}");
+    assert!((0..9).all(|i| ensemble.failure(i).is_some_and(is)), "{:?}", ensemble.failure(0));
 }

@@ -15,7 +15,7 @@ use rattle::method::Method;
 use rattle::potentials::Gravity;
 use rattle::prelude::*;
 use rattle::scene::Hold;
-use rattle::surfaces::{Sphere, Torus};
+use rattle::surfaces::{Plane, Sphere, Torus};
 use rattle::{Error, Variable};
 
 force! {
@@ -257,5 +257,23 @@ fn flows_in_single_precision_are_taken_back() {
     for (state, exact) in single.states().zip(double.states()) {
         let off = (state.positions().next().unwrap() - exact.positions().next().unwrap()).norm();
         assert!(off > 0.0 && off < 1e-4, "{off:e}");
+    }
+}
+
+/// The work of flows is summed in double precision there too: on a slope, at a speed of 0.6.
+#[test]
+fn work_in_single_precision_keeps_its_digits() {
+    let slope = Plane { a: 0.6, b: 0.0, c: 0.8, d: 0.0 };
+    let scene = Scene::on(slope).with(LinearDrag::new(1.0)).with(Gravity { g: 1.0 });
+    let starts = || [0.6, -0.3].map(|v| State::at([0.0; 3]).moving([0.8 * v, 0.0, -0.6 * v]));
+    let mut lanes = scene.ensemble_in(Single, starts(), Rattle::new(0.01)).unwrap();
+    let mut alone =
+        scene.ensemble_in(Single, starts(), Rattle::new(0.01)).unwrap().check_reversal(1e-4).unwrap();
+    lanes.run(5000);
+    alone.run(5000);
+    assert_eq!(alone.failures().count(), 0);
+    for i in 0..2 {
+        let (work, there) = (lanes.work(i), alone.work(i));
+        assert!((work - there).abs() < 2e-5 * work.abs() && work < -10.0, "{work} {there}");
     }
 }

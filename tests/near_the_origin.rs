@@ -3,6 +3,7 @@
 
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::curvature::geodesic_distance;
+use rattle::ensemble::Precision;
 use rattle::nalgebra::Vector3;
 use rattle::potentials::Gravity;
 use rattle::prelude::*;
@@ -99,4 +100,43 @@ fn geodesics_from_the_origin() {
     run.run(10).unwrap();
     let way = geodesic_distance(&plane, &run.position(), &along).unwrap();
     assert!((way.distance - 1.0).abs() < 1e-15, "{:e}", way.distance - 1.0);
+}
+
+constraint! {
+    /// An ellipsoid of half axes r, 1.3 r and 0.8 r, by a distance.
+    struct Egg { r }
+    |x, y, z| norm(x, y / 1.3, z / 0.8) - r
+}
+
+/// On surfaces so small that squares of roundings are 0 bodies are as near to them as on others.
+#[test]
+fn on_surfaces_of_any_size() {
+    fn off(r: f64, p: impl Precision, unit: f64) -> f64 {
+        let scene = Scene::on(Egg { r });
+        let start = |i: i32| State::at([r, 0.0, 0.0]).moving([0.0, r, 0.03 * f64::from(i) * r]);
+        let mut ensemble = scene.ensemble_in(p, (0..20).map(start), Rattle::new(0.25)).unwrap();
+        ensemble.run(100);
+        assert_eq!(ensemble.failures().count(), 0, "{r:e}: {:?}", ensemble.failures().next());
+        let off = ensemble.states().map(|state| {
+            let q = state.positions().next().unwrap();
+            (Vector3::new(q.x, q.y / 1.3, q.z / 0.8).norm() / r - 1.0).abs() / unit
+        });
+        off.fold(0.0, f64::max)
+    }
+    for r in [1.0, 1e-100, 1e-140, 1e-147, 1e-150, 1e-152] {
+        assert!(off(r, Double, f64::EPSILON) < 4.0, "{r:e}: {}", off(r, Double, f64::EPSILON));
+        let start = (0..20).map(|i| (0.3 * f64::from(i)).sin_cos());
+        let (places, momenta): (Vec<_>, Vec<_>) =
+            start.map(|(s, c)| ([c * r, 1.3 * s * r, 0.0], [0.0, 0.0, r])).unzip();
+        let many = Scene::on(Egg { r }).bodies(20);
+        let mut many = many.simulate(State::of(places).with_momenta(momenta), Rattle::new(0.25)).unwrap();
+        many.run(100).unwrap();
+        let off = many.positions().map(|q| Vector3::new(q.x, q.y / 1.3, q.z / 0.8).norm() / r - 1.0);
+        let off = off.fold(0.0, |worst: f64, off| worst.max(off.abs()));
+        assert!(off < 4.0 * f64::EPSILON, "{r:e}, many bodies: {off:e}");
+    }
+    for r in [1.0, 1e-10, 1e-14, 1e-15, 1e-16] {
+        let off = off(r, Single, f64::from(f32::EPSILON));
+        assert!(off < 4.0, "{r:e}, single precision: {off}");
+    }
 }

@@ -108,6 +108,28 @@ fn parts_before_the_one_that_fails_leave_no_trace() {
     assert_eq!(simulation.step().unwrap_err().to_string(), error.to_string());
 }
 
+constraint! {
+    /// A plane with a small roof around x = 0.
+    struct Roof { slope, width }
+    |x, _y, z| z - slope * max(0, width - x^2 / width)
+}
+potential! {
+    /// A spring, and no number where a step of 1.2 from x = −0.6 at unit speed ends.
+    struct Hole { k }
+    |x, _y, _z| if abs(x - 0.6432) < 0.005 { sqrt(-1 - x^2) } else { k * x^2 / 2 }
+}
+
+/// The whole step fails. The first of two parts ends on the roof, beyond an edge, the second beyond all.
+#[test]
+fn edges_within_parts_are_told() {
+    let scene = Scene::on(Roof { slope: 0.08, width: 0.2 }).with(Hole { k: 0.1 });
+    let start = State::at([-0.6, 0.0, 0.0]).moving([1.0, 0.0, 0.0]);
+    let mut simulation = scene.simulate(start, Rattle::new(1.2)).unwrap().retry(1);
+    let error = simulation.step().unwrap_err();
+    let Error::Retried { cause: StepFailure::Kink { argument, .. }, .. } = error else { panic!("{error}") };
+    assert!(argument.contains("width"), "{argument}");
+}
+
 /// A wall within a step, which parts however short run into: the work ends all the same.
 #[test]
 fn at_a_wall_work_is_bounded() {

@@ -271,6 +271,37 @@ fn of_variable_steps() {
     });
 }
 
+potential! {
+    /// A spring that is pulled to and fro, and not at first.
+    struct Shaken { stiffness, rate }
+    |x, _y, _z, t| stiffness * (x - (rate * t)^2 * sin(rate * t))^2 / 2
+}
+
+/// What rests at first, where no force acts, is as free in its steps later.
+#[test]
+fn of_variable_steps_from_rest() {
+    let steps = |units: Units| {
+        let stiffness = 100.0 * units.mass / units.time / units.time;
+        // A length of 1 is that of a metre in each unit: places of the potential are in units of length.
+        let scene = Scene::point().mass(units.mass).with(Shaken { stiffness, rate: 1.0 / units.time });
+        let method = Variable::of(Rattle::new(0.03 * units.time), 0.2 * units.time);
+        let mut alone = scene.simulate(State::at([0.0; 3]), method).unwrap();
+        let mut shortest = f64::INFINITY;
+        let mut last = 0.0;
+        alone
+            .run_with(200, |now| {
+                (shortest, last) = (shortest.min(now.time() - last), now.time());
+            })
+            .unwrap();
+        shortest / units.time
+    };
+    let shortest = steps(ONE);
+    assert!(shortest < 0.02, "{shortest}");
+    for mass in [-90, -40, 40, 90].map(|n| 2.0_f64.powi(n)) {
+        assert_eq!(steps(Units { mass, ..ONE }), shortest, "mass {mass:e}");
+    }
+}
+
 /// Pairs with a cut-off, one of them beyond it at first.
 #[test]
 fn of_gases() {

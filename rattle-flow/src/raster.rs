@@ -124,7 +124,11 @@ impl Raster {
         for i in 0..count {
             let word = if i == 0 { start } else { words.next().unwrap_or("") };
             let height: f64 = word.parse().map_err(|_| words.wrong("a height", word))?;
-            heights.push(if is_none(height, none) { f64::NAN } else { height });
+            let height = if is_none(height, none) { f64::NAN } else { height };
+            if height.is_finite() && height.abs() > HUGE {
+                return Err(words.wrong("a height, or the number for no data", word));
+            }
+            heights.push(height);
         }
         if let Some(word) = words.next() {
             return Err(words.wrong("the end of the file", word));

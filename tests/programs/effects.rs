@@ -14,6 +14,8 @@ mod effects_time;
 mod fields;
 #[path = "../flows.rs"]
 mod flows;
+#[path = "../flows_felt.rs"]
+mod flows_felt;
 #[path = "../gas.rs"]
 mod gas;
 #[path = "../geodesics.rs"]

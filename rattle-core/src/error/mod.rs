@@ -107,8 +107,8 @@ pub enum Error {
     )]
     ShadowOrder(usize),
 
-    /// A tolerance that is not a positive number.
-    #[error("a tolerance is a positive number, found {}", Short(*.0))]
+    /// A tolerance that is not a positive number; or one of `Dop853` below 10⁻¹⁵⁰, where squares of errors are 0.
+    #[error("a tolerance is a positive number, of `Dop853` at least 1e-150, found {}", Short(*.0))]
     Tolerance(f64),
 
     /// A histogram without bins, with an empty or infinite range, or with more bins than 2²⁷ or than there is memory
@@ -172,7 +172,7 @@ pub enum Error {
     #[error(
         "the state has {} and was given {}{}",
         many(*bodies, "body", "bodies"),
-        if momenta > bodies { "at least " } else { "" },
+        if *momenta == bodies + 1 { "at least " } else { "" },
         many(*momenta, "momentum", "momenta")
     )]
     MomentumCount {

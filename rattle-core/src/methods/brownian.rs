@@ -13,7 +13,7 @@
 
 use crate::effect::interval::Half;
 use crate::effect::noise::Noise;
-use crate::error::{EffectMistake, Error, StepFailure, SurfaceFailure};
+use crate::error::{EffectMistake, Error, LinkedFailure, Passing, RigidFailure, StepFailure, SurfaceFailure};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, Renewal, View, check_step_size};
 use crate::motion::need::Kicks;
@@ -126,11 +126,20 @@ impl Method for Brownian {
     }
 }
 
-/// The same failure, with the step that its momenta need: those that were drawn are shorter by √h in longer steps.
+/// The same failure, with the step of h that its momenta need: those that were drawn are shorter by √h in longer steps,
+/// so that half of the way takes a quarter of the step.
 #[cold]
-fn by_noise(mut failure: Failure) -> Failure {
-    if let StepFailure::Surface(SurfaceFailure::StepTooLong { h, reach, longest, .. }) = &mut failure.cause {
-        *longest = h.abs() / (*reach * *reach);
+fn by_noise(h: f64, mut failure: Failure) -> Failure {
+    match &mut failure.cause {
+        StepFailure::Surface(SurfaceFailure::StepTooLong { h, reach, longest, .. }) => {
+            *longest = h.abs() / (*reach * *reach);
+        }
+        StepFailure::Rigid(RigidFailure::TurnsTooFar { passing: Passing(Some(passing)), .. })
+        | StepFailure::Linked(
+            LinkedFailure::NotSolved { passing: Passing(Some(passing)), .. }
+            | LinkedFailure::RankLost { passing: Some(passing), .. },
+        ) => *passing *= *passing / h,
+        _ => {}
     }
     failure
 }
@@ -183,7 +192,7 @@ pub(crate) fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         stir::take_note(Half::Before, 0.5 * h, system, bodies);
         stir::push(Half::Before, kick, system, bodies)?;
     }
-    system.drift(kick, h, bodies, witness).map_err(by_noise)?;
+    system.drift(kick, h, bodies, witness).map_err(|failure| by_noise(h, failure))?;
     stir::take_note(Half::After, 0.5 * h, system, bodies);
     for (p, low) in bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()) {
         (*p, *low) = (zero, zero);

@@ -9,7 +9,7 @@
 //! The work of potentials that change with time is booked as W = ∫ ∂U/∂t dt = ΔU + ∫ f·q̇ dt, the integral by the same
 //! sum: ∂U/∂t itself may change much faster than the motion that the tolerance is about. U is that of all effects of
 //! such a scene, so `energy_error()` compares kinetic energy with the work of forces there: what a force lacks of the
-//! slope of its potential does not show.
+//! slope of its potential does not show. Potentials with a reach find their pairs anew for U, which allocates.
 //!
 //! Neither symplectic nor reversible: energy drifts. For comparison and for short runs: with a tolerance it is the
 //! cheapest method down to errors of some 1e-8 on surfaces (`examples/accuracy.rs`). Each step is then divided into
@@ -34,6 +34,8 @@ use crate::motion::witness::{AtEnd, Witness};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 
+/// Errors are measured by their squares, which for smaller ones are 0.
+const LEAST: f64 = 1e-150;
 /// Inner steps are made for this part of the error that just passes.
 pub(crate) const SAFETY: f64 = 0.9;
 /// An inner step is at least and at most so many times as long as the one before.
@@ -125,6 +127,9 @@ impl Method for Dop853 {
     }
     fn check(&self, _: usize) -> Result<(), Error> {
         check_tolerance(self.tolerance)?;
+        if let Some(tolerance) = self.tolerance.filter(|&tolerance| tolerance < LEAST) {
+            return Err(Error::Tolerance(tolerance));
+        }
         check_step_size(self.h)
     }
 

@@ -18,7 +18,8 @@
 //! does that exactly, for any R, without a derivative of R. ε is about the longest step: R is at least 1, and ρ/R at
 //! least ½, so just behind a passage one may be up to twice as long. τ is a time: where momenta change by
 //! their own size within τ, steps are shorter than ε. p₀² is a tenth of |p|² + τ²|ṗ|² at the start, so R stays finite
-//! where bodies are at rest.
+//! where bodies are at rest. If nothing moves at the start, and no force acts, it is a tenth of the largest so far, and
+//! steps are reversible from where that no longer grows.
 //!
 //! ρ is an integral of G, and departs from R where steps are too long: a step after which ρ/R is outside of (½, 3/2) is
 //! an error. The simpler recursion ρ′ρ = R² (Huang, Leimkuhler 1997) has a second solution, of alternating sign, that
@@ -93,7 +94,7 @@ impl<B: Method> Variable<B> {
         let zero = T::from_f64(0.0);
         let square = |x: &[[T; D]]| x.iter().fold(zero, |sum, x| sum + dot(x, x));
         let (change, size) = (square(rates).to_f64(), square(bodies.p.as_ref()).to_f64());
-        if change == 0.0 && size == 0.0 { (0.0, 1.0) } else { (self.tau * self.tau * change, size) }
+        (self.tau * self.tau * change, size)
     }
 
     /// R and G, where forces are those at these places. All is as before, and what is kept evaluated anew.
@@ -130,12 +131,17 @@ impl<B: Method> Variable<B> {
         let (_, system, _) = all;
         system.evaluate_forces(&mut bodies);
         let (change, size) = self.change(all, &mut bodies, &mut rates);
-        let scale = of_run.unwrap_or(REST * (size + change));
+        let here = REST * (size + change);
+        let (scale, grows) = match of_run {
+            Some(scale) if scale > 0.0 => (scale, false),
+            Some(scale) => (here.max(-scale), true),
+            None => (here, here == 0.0),
+        };
         let wanted = (1.0 + change / (size + scale).max(f64::MIN_POSITIVE)).sqrt();
         // Where not even a probe can be made the first step tells why.
         let slope = self.density(scale, all, &mut bodies).map_or(0.0, |(_, slope)| slope);
-        // The last step, ρ, p₀², and G at the state.
-        [0.0, wanted, scale, slope].map(T::from_f64).into()
+        // The last step, ρ, p₀², below 0 if it grows, and G at the state.
+        [0.0, wanted, if grows { -scale } else { scale }, slope].map(T::from_f64).into()
     }
 }
 
@@ -234,7 +240,15 @@ impl<B: Method> Method for Variable<B> {
             let (_, moved, _) = system;
             moved.evaluate_forces(bodies);
         }
-        let (wanted, slope) = self.density(scale, system, bodies)?;
+        if scale <= 0.0 {
+            let begun = self.begun(system, bodies, Some(scale));
+            if begun[2].to_f64() < scale || scale == 0.0 {
+                memory.copy_from_slice(&begun);
+                memory[0] = T::from_f64(h);
+                return Ok(());
+            }
+        }
+        let (wanted, slope) = self.density(scale.abs(), system, bodies)?;
         let density = middle + 0.5 * longest * slope;
         let near = (density / wanted - 1.0).abs() <= ASTRAY; // false for NaN
         if !near {

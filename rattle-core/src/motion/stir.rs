@@ -142,6 +142,10 @@ pub(crate) fn stir<T: Scalar, Y: System<T, D>, const D: usize>(
     Ok(())
 }
 
+/// The force of a flow is what it gives in this part of a time: there even a drag that stops bodies in much less than
+/// the whole time is nearly a straight line, and has a way back.
+pub(crate) const SHORTLY: f64 = 1.0 / 64.0;
+
 /// In the place of [`Noise`] where flows take note, so that they draw other numbers than where they act.
 const NOTES: u64 = 1 << 22;
 
@@ -267,22 +271,30 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
                 coming.iter_mut().zip(&*rates).for_each(|(coming, rate)| *coming = scaled(share, rate));
             }
             for number in others() {
-                // h times the force at these velocities: forwards and backwards, without its own way between.
+                // The force at these velocities: of a short time, forwards and backwards, without its own way between.
+                let short = SHORTLY * h;
+                let at = |h: f64| Given { h, velocities: middle, ..given };
                 momenta.swap_with_slice(bodies.p.as_mut());
-                system.flow(number, Given { velocities: middle, ..given }, bodies, push);
-                system.flow(number, Given { h: -h, velocities: middle, ..given }, bodies, way);
-                momenta.swap_with_slice(bodies.p.as_mut());
+                system.flow(number, at(short), bodies, push);
+                system.flow(number, at(-short), bodies, way);
                 for (push, way) in push.iter_mut().zip(&mut *way) {
-                    *push = scaled(T::from_f64(0.5), &minus(push, way));
+                    *push = scaled(T::from_f64(0.5 / short), &minus(push, way));
                     *way = *push;
                 }
+                momenta.swap_with_slice(bodies.p.as_mut());
                 along(system, bodies, way, still, aside)?;
-                let later = (number > self.number) == given.before;
                 for body in 0..n {
-                    let (push, way, of_time) = (&push[body], &way[body], T::from_f64(1.0 / h));
-                    rates[body] = add_scaled(&rates[body], of_time, way);
-                    holding[body] = add_scaled(&holding[body], of_time, &minus(way, push));
-                    coming[body] = if later { sum(&coming[body], way) } else { coming[body] };
+                    let (push, way) = (&push[body], &way[body]);
+                    rates[body] = sum(&rates[body], way);
+                    holding[body] = sum(&holding[body], &minus(way, push));
+                }
+                // What is to come of it is that of the whole time: drag stops a body, and does not turn it round.
+                if (number > self.number) == given.before {
+                    momenta.swap_with_slice(bodies.p.as_mut());
+                    system.flow(number, at(h), bodies, way);
+                    momenta.swap_with_slice(bodies.p.as_mut());
+                    along(system, bodies, way, still, aside)?;
+                    coming.iter_mut().zip(&*way).for_each(|(coming, way)| *coming = sum(coming, way));
                 }
             }
             system.flow(self.number, Given { rates, holding, coming, ..given }, bodies, changes);

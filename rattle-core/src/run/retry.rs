@@ -2,13 +2,12 @@
 
 use crate::effect::interval::Half;
 use crate::methods::able::view;
-use crate::motion::course::check;
 use crate::motion::method::Method;
 use crate::motion::stir::{draws, stir};
 use crate::motion::system::System;
 use crate::motion::witness::Hears;
 use crate::number::clock::later;
-use crate::run::seldom::seldom;
+use crate::run::seldom::part;
 use crate::run::simulation::{Halving, MOST_HALVINGS, Simulation};
 use crate::run::trouble::Trouble;
 
@@ -60,23 +59,24 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         if random {
             self.bodies.noise = self.noise();
         }
-        let system = view(&method, &self.system)?;
+        let seen = view(&method, &self.system)?;
         if around {
             stir(Half::Before, 0.5 * h, &self.system, &mut self.bodies)?;
         }
-        let mut memory = method.memory_within(system, &self.bodies, self.memory.as_ref());
-        let mut whole = None;
+        let mut memory = method.memory_within(seen, &self.bodies, self.memory.as_ref());
+        let (system, bodies) = (&self.system, &mut self.bodies);
+        let mut before = bodies.saved();
         for _ in 0..parts {
-            seldom(&method, &self.system, &mut self.bodies, memory.as_mut(), witness, !around)?;
-            if let Some(taken) = method.time_taken(memory.as_ref()) {
+            if let Some(taken) =
+                part(&method, system, bodies, memory.as_mut(), witness, !around, &mut before)?
+            {
                 self.clock = later(self.clock, (taken, 0.0));
-                whole = Some(whole.unwrap_or(0.0) + taken);
             }
         }
         if around {
             stir(Half::After, 0.5 * h, &self.system, &mut self.bodies)?;
         }
-        self.memory = self.method.memory_within(system, &self.bodies, self.memory.as_ref());
-        Ok(check::<S, _, _, D>(whole.unwrap_or(h), &self.system, &self.before, &mut self.bodies)?)
+        self.memory = self.method.memory_within(seen, &self.bodies, self.memory.as_ref());
+        Ok(())
     }
 }

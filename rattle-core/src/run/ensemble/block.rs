@@ -30,7 +30,7 @@ use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::lane_record::{self, Rows};
 use crate::run::ensemble::laws::Laws;
-use crate::run::ensemble::rest::{measured_every, rest_square};
+use crate::run::ensemble::rest::{measured_every, rest_square, squares_tell};
 use crate::solve::crowd::{self, PATH, REACH, ROOT_3};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::normal::Normal;
@@ -273,8 +273,8 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
 
     /// Puts a trajectory at q with momentum p, which are along the constraint, into a lane; `parts` are those of the
     /// method, of which the block's is to come. False where the lane cannot hold it: where the first guess is farther
-    /// off than twice the path of the step, which then has no end on the surface, it takes the digits of the way; and
-    /// where either is no number.
+    /// off than twice the path of the step, which then has no end on the surface, it takes the digits of the way; where
+    /// either is no number; and where all is so small that [squares](squares_tell) of rounding are nothing.
     #[inline(always)]
     fn set(
         &mut self,
@@ -294,7 +294,8 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         let [bend] = constraint.borrow().jet(&q[0], &ahead).2;
         let guess = S::from_f64(-0.5) * h * h * bend * normal.inverse_square;
         let (path, off) = (h * h * dot(&ahead, &ahead), guess * guess * dot(&gradient, &gradient));
-        let holds = (S::from_f64(4.0) * off).le(path) && is_finite(path); // h·κ·|v| ≤ 1
+        let holds = (S::from_f64(4.0) * off).le(path) && is_finite(path) // h·κ·|v| ≤ 1
+            && squares_tell(largest(&q[0]).max((h * largest(&ahead)).abs()));
         // Equal steps: as if one had led here, which would have left half of Λ in the way.
         let ahead = if EQUAL { add_scaled(&ahead, -guess / h, &gradient) } else { ahead };
         let guess = if EQUAL { guess + guess } else { guess };

@@ -14,7 +14,7 @@ use crate::run::ensemble::linked_stirring::{Answer, RowStirring};
 use crate::run::ensemble::rhythm::{InRhythm, When};
 use crate::run::ensemble::stirred::LARGER;
 use crate::solve::crowd::EVERY;
-use crate::systems::network::in_lanes::{Numbers, Which, lost, zeros};
+use crate::systems::network::in_lanes::{Numbers, Which, lost, ran_away, zeros};
 use std::array::from_fn;
 
 /// Some steps of a row with flows, after so many.
@@ -137,7 +137,7 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
             self.course.kick(self.kick, way, self.numbers, &mut self.pulling);
         }
         let rows = self.numbers[q..q + n].iter().chain(&self.numbers[way..way + n]);
-        let lost = lost(rows);
+        let lost = lost(rows).or_else(|| ran_away(&self.numbers[q..q + n]));
         self.forget();
         lost.map_or(Ok(()), |lane| Err(Stuck::not_finite(lane)))
     }

@@ -17,6 +17,19 @@ const fn roundings<S: Lane>() -> f64 {
     if is_single::<S>() { AT_REST / 8.0 * S::EPSILON } else { AT_REST * S::EPSILON }
 }
 
+/// The least of numbers whose digits are whole.
+const fn least<S: Lane>() -> f64 {
+    if is_single::<S>() { f32::MIN_POSITIVE as f64 } else { f64::MIN_POSITIVE }
+}
+
+/// Whether squares of displacements tell who is at rest, where places and the way of a step are of this size: they do
+/// not where those of rounding are less than the least of numbers. In the origin there is nothing to tell.
+#[inline(always)]
+pub(super) fn squares_tell<S: Lane>(size: S) -> bool {
+    let rounding = S::from_f64(const { roundings::<S>() }) * size;
+    size == S::default() || S::from_f64(const { least::<S>() }).le(rounding * rounding)
+}
+
 const fn is_single<S: Lane>() -> bool {
     S::EPSILON > f64::EPSILON
 }
@@ -27,7 +40,7 @@ const fn is_single<S: Lane>() -> bool {
 #[inline(always)]
 pub(super) fn rest_square<S: Lane, const D: usize>(gradient: &[S; D], square: S, q: &[S; D]) -> S {
     let part = const { roundings::<S>() * roundings::<S>() };
-    let least = const { if is_single::<S>() { f32::MIN_POSITIVE as f64 } else { f64::MIN_POSITIVE } };
+    let least = const { least::<S>() };
     let size_square = size_along_square(gradient, S::from_f64(1.0) / square, q);
     let most = (S::from_f64(part) * size_square).max(S::from_f64(least));
     S::select(is_finite(size_square), most, S::default())

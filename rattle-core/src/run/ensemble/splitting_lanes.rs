@@ -235,7 +235,7 @@ pub(super) struct StirredAlone<'a> {
     pub(super) at: &'a dyn Fn(u64) -> (Noise, f64),
     /// Flows that acted in the first step where it was tried before; and now.
     pub(super) place: &'a mut u64,
-    /// The work on them since the start.
+    /// The work on them since the start; bodies have that of a step, whose digits in single precision are too few.
     pub(super) work: f64,
 }
 
@@ -250,10 +250,10 @@ impl StirredAlone<'_> {
         bodies: &mut BodiesOf<Y, S, D>,
     ) {
         let (noise, time) = (self.at)(step);
+        bodies.work = S::default();
         if step == 0 {
             let place = if again { noise.place } else { *self.place };
             (bodies.noise, bodies.time) = (Noise { place, ..noise }, time);
-            bodies.work = S::from_f64(self.work);
             return;
         }
         bodies.noise = noise;
@@ -358,8 +358,12 @@ impl<S: Lane, Y: System<S, D>, const D: usize> Work for ByItself<'_, Y, S, D> {
                 (step.stages, step.whole) = (&back, -whole);
             }
             (step.stages, step.whole) = (&stages, whole);
+            if let Some(stirred) = &mut step.stirred {
+                stirred.work += bodies.work.to_f64();
+            }
         }
-        Ok((out_of_lanes(&bodies.all()), bodies.work.to_f64()))
+        let work = step.stirred.map_or(bodies.work.to_f64(), |stirred| stirred.work);
+        Ok((out_of_lanes(&bodies.all()), work))
     }
 }
 

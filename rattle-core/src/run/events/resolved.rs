@@ -19,7 +19,7 @@
 use crate::effect::interval::Half;
 use crate::motion::capability::Rates;
 use crate::motion::method::{Method, Splitting};
-use crate::motion::stir::push;
+use crate::motion::stir::{SHORTLY, push};
 use crate::motion::system::System;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::run::events::stretch::Stretch;
@@ -32,9 +32,6 @@ const ELSEWHERE: [f64; 2] = [0.05, 0.15];
 /// By this part of the largest way of all bodies any body may be elsewhere: what hardly moves closes no gap unnoticed.
 /// By this part of the way that it would go without flows, too.
 const HARDLY: f64 = 1e-6;
-
-/// Flows are asked for what they give in this part of a stretch.
-const SHORTLY: f64 = 1.0 / 64.0;
 
 /// Ways of less than so many roundings of places tell nothing.
 const ROUNDINGS: f64 = 64.0;

@@ -10,7 +10,7 @@ use crate::motion::parts::BodiesOf;
 use crate::motion::stir::stir;
 use crate::motion::system::System;
 use crate::motion::witness::Hears;
-use crate::run::seldom::seldom;
+use crate::run::seldom::{part, seldom};
 use crate::run::trouble::Trouble;
 use crate::run::watch::seen::{Seen, write};
 use std::ops::RangeInclusive;
@@ -92,10 +92,15 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
             if parts == 1 { whole.clone() } else { whole.with_step(whole.step_size() / f64::from(parts)) };
         let mut memory = method.memory(view(&method, self.system)?, self.bodies);
         let witness: &mut dyn Hears<f64> = if self.heard { &mut *self.witness } else { &mut () };
-        for _ in 0..parts {
+        if parts == 1 {
             seldom(&method, self.system, self.bodies, memory.as_mut(), witness, self.flows)?;
+            return Ok(check::<S, _, _, D>(whole.step_size(), self.system, self.start, self.bodies)?);
         }
-        Ok(check::<S, _, _, D>(whole.step_size(), self.system, self.start, self.bodies)?)
+        let mut before = self.bodies.saved();
+        for _ in 0..parts {
+            part(&method, self.system, self.bodies, memory.as_mut(), witness, self.flows, &mut before)?;
+        }
+        Ok(())
     }
 
     /// Back to where it begins.

@@ -372,6 +372,9 @@ impl<T: Scalar, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usiz
             let places: [_; D] = from_fn(|i| q[i].abs().max(way[i].abs()));
             let size_square = size_along_square(&n, inverse_square[l], &places);
             floor_square[l] = Fused(f64::EPSILON * f64::EPSILON) * size_square;
+            // Less than the least of numbers tells nobody who has arrived.
+            let tells = Fused(f64::MIN_POSITIVE).le(floor_square[l]);
+            gentle[l] = Real::select(tells, gentle[l], Fused(0.0));
         }
 
         for l in 0..L {
