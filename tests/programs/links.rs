@@ -14,6 +14,8 @@ mod linked_edges;
 mod linked_ends;
 #[path = "../linked_errors.rs"]
 mod linked_errors;
+#[path = "../linked_redundant.rs"]
+mod linked_redundant;
 #[path = "../linked_sizes.rs"]
 mod linked_sizes;
 #[path = "../linked_starts.rs"]

@@ -330,7 +330,7 @@ impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
                 let looked = system.0.check_kinks(self.start, bodies);
                 looked.map_err(|kink| kink.of_part(0.0, NODES[stage]))?;
             }
-            system.0.refresh(bodies);
+            system.0.refresh_off(bodies);
             self.rates(system, bodies, stage, &mut ());
         }
         Ok(())

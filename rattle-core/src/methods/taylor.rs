@@ -329,7 +329,7 @@ impl Taylor {
                 bodies.p.as_mut()[body] = sum(&from.p, &impulse);
             }
             bodies.time = start.time + time;
-            system.refresh(bodies);
+            system.refresh_off(bodies);
             let bend = self.bend((system, rates, motion), bodies, series, pushed, time);
             if self.led_off(bend, time) > tolerance {
                 bent = Some((time, bend));

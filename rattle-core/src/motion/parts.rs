@@ -52,6 +52,11 @@ pub trait Parts<T: Scalar, const D: usize>: Clone + Send + Sync + 'static {
     fn bodies(&self, places: &[Body<T, D>], time: f64) -> BodiesOf<Self, T, D>;
     /// Evaluates the kept quantities again, after positions were restored.
     fn refresh(&self, bodies: &mut BodiesOf<Self, T, D>);
+    /// The same for positions inside of a step, which may be off the constraints.
+    #[inline(always)]
+    fn refresh_off(&self, bodies: &mut BodiesOf<Self, T, D>) {
+        self.refresh(bodies);
+    }
 
     /// Writes those kept quantities that cannot be evaluated again from positions, and counters.
     fn record(&self, _bodies: &BodiesOf<Self, T, D>, _to: &mut Record) {}

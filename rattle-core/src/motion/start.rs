@@ -24,6 +24,11 @@ pub(crate) const DIRECTION: f64 = 1e-5;
 /// Newton steps after which a projection is given up.
 pub(crate) const MAX_PROJECTION_STEPS: usize = 60;
 
+/// From where gradients nearly vanish Newton's step leads far beyond. A step after which g would be so many times as
+/// large is halved, so often at most, until g is no larger.
+pub(crate) const RUNS_AWAY: f64 = 1e3;
+pub(crate) const MAX_HALVINGS: i32 = 200;
+
 /// Near the origin places have the rounding of where they came from, which may be some hundred steps away: they may be
 /// off by this part of a step's way.
 const OF_A_WAY: f64 = 1e-12;

@@ -291,13 +291,14 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 self.shift(table, h, stages, stage);
                 let q = &stages.q[stage * n..][..n];
                 // Roundings of linked bodies reach each other, those of others do not.
+                // The way with constraints, and what forces alone would add: the sum of both is rounded.
+                let from = bodies.q.as_ref();
+                let way = |&body: &usize| {
+                    let pushed = shape.pushed(body, h, &stages.force[stage * n + body].components());
+                    largest(&add_scaled(&q[body], -1.0, &from[body])).max(largest(&pushed))
+                };
                 for (component, size) in shape.components.iter().zip(&stages.sizes) {
-                    let (linked, from) = (&component.rows.bodies, bodies.q.as_ref());
-                    // The way with constraints, and what forces alone would add: the sum of both is rounded.
-                    let way = |&body: &usize| {
-                        let pushed = shape.pushed(body, h, &stages.force[stage * n + body].components());
-                        largest(&add_scaled(&q[body], -1.0, &from[body])).max(largest(&pushed))
-                    };
+                    let linked = &component.rows.bodies;
                     let size = linked.iter().map(way).fold(*size, f64::max);
                     for &body in linked {
                         worst = if largest(&q[body]) <= size {
@@ -308,7 +309,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                     }
                 }
                 for &body in &shape.loose {
-                    worst = slower(worst, largest(&stages.shift[body]), largest(&q[body]));
+                    worst = slower(worst, largest(&stages.shift[body]), largest(&q[body]).max(way(&body)));
                 }
             }
             let contraction = worst / last;

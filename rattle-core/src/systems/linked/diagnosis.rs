@@ -7,7 +7,6 @@ use crate::kernel::kinks::Kink;
 use crate::motion::bodies::Count;
 use crate::motion::failure::Failure;
 use crate::number::vector::dot;
-use crate::systems::linked::flight::BRANCHING;
 use crate::systems::linked::flight::CLEAR;
 use crate::systems::linked::flight::Flight;
 use crate::systems::linked::flight::HALVINGS;
@@ -23,6 +22,7 @@ use crate::systems::linked::kept::Linked;
 use crate::systems::linked::kept::Room;
 use crate::systems::linked::kept::Tied;
 use crate::systems::network::mass::Root;
+use crate::systems::network::orthogonal::BRANCHING;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::Solver;
 

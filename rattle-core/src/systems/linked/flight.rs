@@ -47,9 +47,8 @@ pub(crate) const LOST: f64 = 1e-7;
 pub(crate) const CLEAR: f64 = 0.1;
 /// A normal is lost ahead where its sine, by a straight line through a shorter step, is zero within so many steps.
 pub(crate) const SOON: f64 = 1.5;
-/// Where only a step shorter by `MUCH_SHORTER` would pass, a normal with this sine to the others is what stopped it:
-/// where a mechanism branches, places are known to √ε.
-pub(crate) const BRANCHING: f64 = 1e-6;
+/// Where only a step shorter by this would pass, a normal with a sine of
+/// [`BRANCHING`](crate::systems::network::orthogonal::BRANCHING) to the others is what stopped it.
 pub(crate) const MUCH_SHORTER: f64 = 1e-3;
 /// A multiplier that acts along less than this part of ∇g is what stopped a step.
 pub(crate) const LITTLE_SHARE: f64 = 0.25;

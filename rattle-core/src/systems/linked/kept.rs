@@ -286,18 +286,35 @@ impl<Fo: Force<f64, D>, const D: usize> Tied<Fo, D> {
     /// Evaluates gradients at q and takes the normals over. Returns the sine of the least independent one, and its row.
     #[inline(never)]
     pub(crate) fn normals(&mut self, shape: &Shape<D>, c: usize, time: f64, q: &[[f64; D]]) -> (f64, usize) {
+        self.take(shape, c, (time, q), Solver::normals)
+    }
+
+    /// The same at a stage, which may be far off the constraints: those equations count that did at the place before.
+    #[inline(never)]
+    pub(super) fn normals_off(&mut self, shape: &Shape<D>, c: usize, time: f64, q: &[[f64; D]]) {
+        self.take(shape, c, (time, q), Solver::normals_off);
+    }
+
+    #[inline(always)]
+    fn take(
+        &mut self,
+        shape: &Shape<D>,
+        c: usize,
+        (time, q): (f64, &[[f64; D]]),
+        normals: impl Fn(&mut Solver<D>, &Rows, &[[f64; D]], &[Root<D>]) -> (f64, usize),
+    ) -> (f64, usize) {
         let component = &shape.components[c];
         let (rows, (row, block)) = (&component.rows, component.first);
         let blocks = &mut self.blocks[block..block + rows.blocks()];
         let rates = &mut self.rates[row..row + rows.equations()];
         shape.gradients(c, time, q, &mut self.room.g, blocks, rates);
         if !rows.acting {
-            return self.solvers[c].normals(rows, blocks, &shape.roots);
+            return normals(&mut self.solvers[c], rows, blocks, &shape.roots);
         }
         let acting = &mut self.room.blocks[..rows.blocks()];
         acting.copy_from_slice(blocks);
         shape.mask(c, acting);
-        self.solvers[c].normals(rows, acting, &shape.roots)
+        normals(&mut self.solvers[c], rows, acting, &shape.roots)
     }
 }
 

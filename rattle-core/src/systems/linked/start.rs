@@ -3,10 +3,10 @@
 use crate::error::{EquationAt, Error, History, StartFailure};
 use crate::kernel::rounding::{NOISY, rounding_of_g};
 use crate::motion::bodies::Body;
-use crate::motion::start::{DIRECTION, MAX_PROJECTION_STEPS, START_TOLERANCE};
+use crate::motion::start::{DIRECTION, MAX_HALVINGS, MAX_PROJECTION_STEPS, RUNS_AWAY, START_TOLERANCE};
 use crate::motion::start::{allowed, finite, has_square, length_of};
 use crate::motion::state::State;
-use crate::number::vector::{add_scaled, dot, largest, sum};
+use crate::number::vector::{add_scaled, dot, largest, scaled};
 use crate::solve::aim::ROUNDINGS;
 use crate::solve::nearing::Nearing;
 use crate::systems::linked::flight::LOST;
@@ -14,7 +14,7 @@ use crate::systems::linked::pull::Rounds;
 use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::dependence::dependence;
 use crate::systems::network::mass::Root;
-use crate::systems::network::orthogonal::MOST_EQUATIONS;
+use crate::systems::network::orthogonal::{BRANCHING, MOST_EQUATIONS};
 use crate::systems::network::shape::{Component, Shape};
 use crate::systems::network::solver::{CLEARLY, Solver};
 
@@ -70,12 +70,59 @@ impl<const D: usize> Start<D> {
         ROUNDINGS * f64::EPSILON * sizes.fold(0.0, f64::max)
     }
 
+    /// |∇²g w| of an equation.
+    fn bent(&self, shape: &Shape<D>, (c, row): (usize, usize), time: f64, way: &[[f64; D]]) -> f64 {
+        let (group, member, equation) = shape.components[c].rows.find(&shape.groups, row);
+        let links = &shape.groups[group];
+        let (mut bends, mut turns) = (vec![0.0; links.equations()], vec![0.0; links.equations()]);
+        links.bends(member..member + 1, (time, &self.q), (0.0, way), &mut bends, &mut turns);
+        turns[equation].sqrt()
+    }
+
+    /// By how much this way and some roundings of places may turn a normal of a component, the most of all.
+    fn turned(&self, shape: &Shape<D>, c: usize, time: f64, way: &[[f64; D]]) -> f64 {
+        let (rows, mut part) = (&shape.components[c].rows, vec![[0.0; D]; self.q.len()]);
+        let turned = |row| {
+            // Over |∇g| at once, so that there are squares however g is scaled.
+            let (bodies, over) =
+                (|| rows.touched_by(row).map(|(_, body)| body), 1.0 / self.length(shape, c, row));
+            bodies().for_each(|body| part[body] = scaled(over, &way[body]));
+            let mut turned = self.bent(shape, (c, row), time, &part);
+            bodies().for_each(|body| part[body] = [0.0; D]);
+            for (body, i) in bodies().flat_map(|body| (0..D).map(move |i| (body, i))) {
+                part[body][i] = over * (f64::EPSILON * self.q[body][i]);
+                turned += self.bent(shape, (c, row), time, &part);
+                part[body][i] = 0.0;
+            }
+            turned
+        };
+        ROUNDINGS * (0..rows.equations()).map(turned).fold(0.0, f64::max)
+    }
+
     fn evaluate(&mut self, shape: &Shape<D>, c: usize, time: f64) {
         let rows = &shape.components[c].rows;
         let (g, blocks) = (&mut self.g[..rows.equations()], &mut self.blocks[..rows.blocks()]);
         let rates = &mut self.rates[..rows.equations()];
         rates.fill(0.0);
         shape.gradients(c, time, &self.q, g, blocks, rates);
+    }
+
+    /// Moves a component along [`Self::lift`] from where it is so far off. Where normals nearly vanish that leads far
+    /// beyond: a step after which an equation would be off by so many times as much is halved, until none is by more.
+    fn go(&mut self, shape: &Shape<D>, c: usize, time: f64, distance: f64) {
+        let rows = &shape.components[c].rows;
+        let (m, bodies) = (rows.equations(), &rows.bodies);
+        let from: Vec<_> = bodies.iter().map(|&body| self.q[body]).collect();
+        let lengths: Vec<_> = (0..m).map(|row| self.length(shape, c, row)).collect();
+        let mut leads = |share: f64, most: f64| {
+            bodies.iter().zip(&from).for_each(|(&b, q)| self.q[b] = add_scaled(q, share, &self.lift[b]));
+            shape.values(c, time, &self.q, &mut self.g[..m]);
+            self.g.iter().zip(&lengths).all(|(g, length)| g.abs() <= most * length * distance) // not if NaN
+        };
+        let mut parts = (1..=MAX_HALVINGS).map(|halvings| 0.5_f64.powi(halvings));
+        if !leads(1.0, RUNS_AWAY) && !parts.any(|share| leads(share, 1.0)) {
+            leads(1.0, RUNS_AWAY);
+        }
     }
 
     /// |∇gᵢ| of the coordinates that can move.
@@ -148,7 +195,7 @@ pub(crate) fn check<const D: usize>(
             check_row(shape, c, row, &mut start, state, h, tangent)
                 .map_err(|cause| at(shape, c, row, cause))?;
         }
-        check_normals(shape, c, algebra, &start)?;
+        check_normals(shape, c, algebra, &mut start, state.time)?;
     }
     Ok(())
 }
@@ -210,25 +257,18 @@ fn check_row<const D: usize>(
     // The velocities make room for w/|∇g|, whose product with ∇²g can be squared however g is scaled.
     let bodies: Vec<_> = rows.blocks_of(row).map(|(_, body)| rows.bodies[body]).collect();
     let saved: Vec<_> = bodies.iter().map(|&body| start.v[body]).collect();
-    let (group, member, equation) = rows.find(&shape.groups, row);
-    let equations = shape.groups[group].equations();
-    let (mut bends, mut turns) = (vec![0.0; equations], vec![0.0; equations]);
-    let mut change = |way: &[[f64; D]]| {
-        let at = (state.time, &start.q[..]);
-        shape.groups[group].bends(member..member + 1, at, (0.0, way), &mut bends, &mut turns);
-        turns[equation].sqrt()
-    };
+    let change = |start: &Start<D>| start.bent(shape, (c, row), state.time, &start.v);
     for (block, body) in rows.blocks_of(row) {
         start.v[rows.bodies[body]] = start.blocks[block].map(|n| n / length / length);
     }
-    let singular = 1.0 / change(&start.v);
+    let singular = 1.0 / change(start);
     bodies.iter().for_each(|&body| start.v[body] = [0.0; D]);
     // A coordinate may be as large as it likes where normals do not depend on it.
     let is_near = singular < f64::EPSILON * size / DIRECTION;
     let mut turned = 0.0;
     for (body, i) in bodies.iter().flat_map(|&body| (0..D).map(move |i| (body, i))).filter(|_| is_near) {
         start.v[body][i] = f64::EPSILON * start.q[body][i] / length;
-        turned += change(&start.v);
+        turned += change(start);
         start.v[body][i] = 0.0;
     }
     for (&body, v) in bodies.iter().zip(saved) {
@@ -251,7 +291,11 @@ fn check_row<const D: usize>(
         return Err(StartFailure::OffConstraint { equation: at(), distance, tolerance, value });
     }
     let scale = length * speed + start.rates[row].abs();
-    let off = |start: &Start<D>| rate.abs() > length * start.rounding_of_all(shape, c, &start.v);
+    let off = |start: &Start<D>| {
+        let still = vec![[0.0; D]; start.q.len()];
+        rate.abs() > length * start.rounding_of_all(shape, c, &start.v)
+            && rate.abs() > scale * start.turned(shape, c, state.time, &still)
+    };
     if tangent && rate.abs() > START_TOLERANCE * scale && off(start) {
         let (sine, tolerance) = (rate.abs() / scale, START_TOLERANCE);
         return Err(StartFailure::NotAlong { equation: at(), rate, sine, tolerance });
@@ -284,11 +328,39 @@ fn bear<const D: usize>(
     }
 }
 
+/// Has a component, which has taken its normals over, count those equations alone that are independent of the others
+/// where these hold: their normals are at more than what the place being off and its rounding can turn any by. To be
+/// limited to no fewer before that.
+fn count_independent<const D: usize>(shape: &mut Shape<D>, c: usize, start: &mut Start<D>, time: f64) {
+    let Shape { components, roots, .. } = &mut *shape;
+    let Component { rows, solver, .. } = &mut components[c];
+    let (m, blocks, sines) = (rows.equations(), &start.blocks[..rows.blocks()], solver.sines());
+    let above = |least: f64| sines.iter().take_while(|&&sine| sine > least).count();
+    let clear = above(BRANCHING);
+    if clear == sines.len() {
+        solver.limit(solver.rank(rows));
+        return;
+    }
+    // The way onto those that clearly are.
+    solver.limit(clear);
+    solver.normals(rows, blocks, roots);
+    let off: Vec<f64> = start.g[..m].iter().map(|g| -g).collect();
+    let (mut x, mut way) = (vec![0.0; m], vec![[0.0; D]; start.q.len()]);
+    solver.solve(&off, &mut x);
+    solver.displace(rows, roots, &x, &mut way);
+    let most = above(start.turned(shape, c, time, &way)).max(clear);
+    let Shape { components, roots, .. } = &mut *shape;
+    let Component { rows, solver, .. } = &mut components[c];
+    solver.limit(most);
+    solver.normals(rows, blocks, roots);
+}
+
 fn check_normals<const D: usize>(
     shape: &mut Shape<D>,
     c: usize,
     algebra: LinearAlgebra,
-    start: &Start<D>,
+    start: &mut Start<D>,
+    time: f64,
 ) -> Result<(), Error> {
     let mut acting = start.blocks[..shape.components[c].rows.blocks()].to_vec();
     shape.mask(c, &mut acting);
@@ -297,7 +369,10 @@ fn check_normals<const D: usize>(
     let (borne, weakest) = match bear(component, algebra, &acting, roots) {
         Ok((_, row)) if component.rows.acting => (true, row),
         Err((_, row)) if component.rows.acting => (false, row),
-        Ok(_) => return Ok(()),
+        Ok(_) => {
+            count_independent(shape, c, start, time);
+            return Ok(());
+        }
         Err((sine, row)) => return Err(at(shape, c, row, dependent(shape, c, row, sine))),
     };
     let (rows, blocks) = (&component.rows, &start.blocks[..component.rows.blocks()]);
@@ -374,6 +449,8 @@ pub(crate) fn project<const D: usize>(
         }
         // Rates that no momenta can give: links that move apart, or rounding of normals that fall together.
         let moves = start.rates[..m].iter().any(|&rate| rate != 0.0);
+        let Shape { components, roots, .. } = &*shape;
+        let rows = &components[c].rows;
         for row in 0..m {
             let (mut rate, mut square, mut speed) = (start.rates[row], 0.0, 0.0_f64);
             for (block, body) in rows.blocks_of(row) {
@@ -382,7 +459,9 @@ pub(crate) fn project<const D: usize>(
                 square += dot(&start.blocks[block], &start.blocks[block]);
                 speed = speed.max(largest(&v));
             }
-            if rate.abs() > START_TOLERANCE * (square.sqrt() * speed + start.rates[row].abs()) {
+            let scale = square.sqrt() * speed + start.rates[row].abs();
+            let turned = || start.turned(shape, c, state.time, &vec![[0.0; D]; start.q.len()]);
+            if rate.abs() > START_TOLERANCE * scale && rate.abs() > scale * turned() {
                 let equation = shape.equation_at(c, row);
                 let contradict = StartFailure::RatesContradict { equation, rate };
                 let cause = if moves { contradict } else { dependent(shape, c, row, sine) };
@@ -411,10 +490,16 @@ fn place<const D: usize>(
     let (mut nearing, mut worst) = (Nearing::leaving(f64::INFINITY), 0);
     for _ in 0..MAX_PROJECTION_STEPS {
         start.evaluate(shape, c, time);
-        let (mut distance, mut there) = (0.0, true);
+        let (mut distance, mut there, mut size) = (0.0, true, 0.0_f64);
         for row in 0..m {
             let length = start.length(shape, c, row);
+            if length == 0.0 && start.g[row].is_finite() {
+                let equation = shape.equation_at(c, row);
+                let cause = StartFailure::Vanishes { equation, gradient: 0.0, distance: 0.0 };
+                return Err(at(shape, c, row, cause));
+            }
             there &= start.is_there(shape, c, row);
+            size = size.max(start.along(shape, (c, row), &start.q)); // of what is pinned, too
             if length.is_finite() && length > 0.0 && !start.has_square(shape, c, row) {
                 let equation = Some(shape.equation_at(c, row));
                 return Err(at(shape, c, row, StartFailure::OutOfScale { equation, gradient: length }));
@@ -426,11 +511,14 @@ fn place<const D: usize>(
         }
         let Shape { components, roots, .. } = &mut *shape;
         let component = &mut components[c];
+        component.solver.limit(m);
         let blocks = &start.blocks[..component.rows.blocks()];
         let found = match bear(component, algebra, blocks, roots) {
             Ok(found) => found,
             Err((sine, row)) => return Err(at(shape, c, row, dependent(shape, c, row, sine))),
         };
+        count_independent(shape, c, start, time);
+        let Shape { components, roots, .. } = &mut *shape;
         let component = &mut components[c];
         let rows = &component.rows;
         let off: Vec<f64> = start.g[..m].iter().map(|g| -g).collect();
@@ -438,7 +526,7 @@ fn place<const D: usize>(
         let lift = &mut start.lift;
         rows.bodies.iter().for_each(|&body| lift[body] = [0.0; D]);
         component.solver.displace(rows, roots, &x, lift);
-        let size = rows.bodies.iter().map(|&body| largest(&start.q[body])).fold(0.0, f64::max);
+        let size = rows.bodies.iter().map(|&body| largest(&start.q[body])).fold(size, f64::max);
         let correction = rows.bodies.iter().map(|&body| largest(&lift[body])).fold(0.0, f64::max);
         if !(distance.is_finite() && correction.is_finite()) {
             let position = rows.touched_by(worst).flat_map(|(_, body)| start.q[body]).collect();
@@ -456,9 +544,7 @@ fn place<const D: usize>(
             return Ok(found);
         }
         distances.push(distance);
-        for &body in &rows.bodies {
-            start.q[body] = sum(&start.q[body], &lift[body]);
-        }
+        start.go(shape, c, time, distance);
     }
     let equation = shape.equation_at(c, worst);
     let distances = distances.into_iter().collect::<History>();

@@ -85,6 +85,16 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Parts<f64, D> for Linked<F, N,
         self.evaluate_forces(bodies);
     }
 
+    fn refresh_off(&self, bodies: &mut BodiesOf<F, N, D>) {
+        bodies.kept.tied.aims.fill(Aim::unknown());
+        for c in 0..self.shape.components.len() {
+            let (q, time) = (bodies.q.as_ref(), bodies.time);
+            bodies.kept.tied.normals_off(&self.shape, c, time, q);
+        }
+        bodies.kept.tied.in_rows.forget();
+        self.evaluate_forces(bodies);
+    }
+
     fn record(&self, bodies: &BodiesOf<F, N, D>, to: &mut Record) {
         let Tied { aims, pace, counts, asked, .. } = &bodies.kept.tied;
         let Counts { solves, corrections, values, gradients, followed } = *counts;

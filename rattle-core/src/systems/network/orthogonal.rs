@@ -8,6 +8,11 @@
 //! enough). The condition of G enters once, not squared as in G M⁻¹Gᵀ. A column that is left with less than
 //! [`DEPENDENT`] of its length adds nothing; multipliers are then those of least norm, with every equation scaled to
 //! a normal of length 1 in the metric of M⁻¹, so that how it is written does not matter, but masses do.
+//!
+//! Equations may depend on each other only where all hold. At a place that is off by δ, be it by rounding, such a
+//! normal has a sine of some δ, and what its equation asks for is divided by that. So the number of independent
+//! equations is that of the start, where it is judged by what places are off. More count only where normals are clearly
+//! apart, as after a start from where a mechanism branches; and at stages, which may be far off, none.
 
 use crate::number::vector::{add_scaled, dot, scaled};
 use crate::systems::network::mass::Root;
@@ -16,6 +21,10 @@ use crate::systems::network::rows::Rows;
 /// A normal whose part orthogonal to the others is shorter than this is one of their combinations: well above the
 /// rounding of a sum, well below any angle that carries digits.
 const DEPENDENT: f64 = 1e-12;
+
+/// Below this sine a normal may be independent by what a place is off alone: where a mechanism branches, places are
+/// known to √ε.
+pub(crate) const BRANCHING: f64 = 1e-6;
 
 /// Where not all act along normals, rows are exchanged if a pivot is less than this part of what it could be: that
 /// takes a digit.
@@ -29,6 +38,8 @@ pub(crate) struct Basis<const D: usize> {
     equations: usize,
     bodies: usize,
     pub(crate) rank: usize,
+    /// So many were independent where that was judged: others count by a sine above [`BRANCHING`].
+    most: usize,
     /// Columns of Q, a block for each body.
     q: Vec<[f64; D]>,
     /// R by rows, as wide as there are equations.
@@ -53,6 +64,7 @@ impl<const D: usize> Basis<D> {
             equations,
             bodies,
             rank: 0,
+            most: equations,
             q: vec![[0.0; D]; equations * bodies],
             r: square.clone(),
             order: (0..equations).collect(),
@@ -65,14 +77,47 @@ impl<const D: usize> Basis<D> {
         }
     }
 
+    /// Has no more than so many equations count by a sine below [`BRANCHING`].
+    pub(crate) fn limit(&mut self, most: usize) {
+        self.most = most;
+    }
+
+    /// The sine of each equation that counts to those before it.
+    pub(crate) fn sines(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..self.rank).map(|k| self.r[k * self.equations + k])
+    }
+
     /// Takes the normals over. Returns the sine of the angle of the least independent one to the others, and its row.
     pub(crate) fn normals(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> (f64, usize) {
+        (0..self.equations).for_each(|i| self.order[i] = i);
+        self.take::<true>(rows, blocks, roots, (self.most, BRANCHING))
+    }
+
+    /// The same at a place that may be far off the constraints: those equations count that did at the place before. As
+    /// accelerations are then not those of all, the choice must be the same for all stages of a step.
+    pub(crate) fn normals_off(
+        &mut self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        roots: &[Root<D>],
+    ) -> (f64, usize) {
+        self.take::<false>(rows, blocks, roots, (self.rank, f64::INFINITY))
+    }
+
+    /// The same where so many equations count in any case, and others by a sine above this one. Either chooses the most
+    /// independent ones first, or keeps the order of the last time.
+    fn take<const CHOOSES: bool>(
+        &mut self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        roots: &[Root<D>],
+        (most, beyond): (usize, f64),
+    ) -> (f64, usize) {
         let (m, n) = (self.equations, self.bodies);
         self.q.fill([0.0; D]);
         self.r.fill(0.0);
-        for i in 0..m {
-            self.order[i] = i;
-            let column = &mut self.q[i * n..(i + 1) * n];
+        for k in 0..m {
+            let (i, column) = (self.order[k], &mut self.q[k * n..(k + 1) * n]);
             for (block, body) in rows.blocks_of(i) {
                 column[body] = roots[rows.bodies[body]].halve(&blocks[block]);
             }
@@ -85,7 +130,7 @@ impl<const D: usize> Basis<D> {
         self.rank = 0;
         let mut weakest = (f64::INFINITY, 0);
         for k in 0..m {
-            let (pivot, left) = (k..m)
+            let (pivot, left) = (k..if CHOOSES { m } else { k + 1 })
                 .map(|j| (j, square(&self.q[j * n..(j + 1) * n])))
                 .fold((k, -1.0), |best, next| if next.1 > best.1 { next } else { best });
             self.swap(k, pivot);
@@ -95,7 +140,8 @@ impl<const D: usize> Basis<D> {
             }
             let left = square(&self.q[k * n..(k + 1) * n]).sqrt().min(left.sqrt());
             weakest = (left, self.order[k]);
-            if left <= DEPENDENT || left.is_nan() {
+            let least = if k < most { DEPENDENT } else { beyond };
+            if left <= least || left.is_nan() {
                 break;
             }
             self.rank = k + 1;

@@ -144,6 +144,23 @@ impl<const D: usize> Solver<D> {
         }
     }
 
+    /// The sine of each equation that counts to those before it, where a basis does the work.
+    pub(crate) fn sines(&self) -> Vec<f64> {
+        match self.by() {
+            By::Basis(basis) => basis.sines().collect(),
+            By::Elimination(_) | By::Dense(_) => Vec::new(),
+        }
+    }
+
+    /// Has a basis count no more equations than so many, but by normals that are clearly apart.
+    pub(crate) fn limit(&mut self, most: usize) {
+        match self {
+            Self::Orthogonal(basis) => basis.limit(most),
+            Self::Few(few) => few.basis.limit(most),
+            Self::Elimination(_) => {}
+        }
+    }
+
     /// Takes the normals over. Returns the sine of the angle of the least independent one to others, and its row.
     pub(crate) fn normals(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> (f64, usize) {
         match self {
@@ -157,6 +174,21 @@ impl<const D: usize> Solver<D> {
                 few.clear = found.0 > CLEARLY && found.0.is_finite();
                 if few.clear { found } else { few.basis.normals(rows, blocks, roots) }
             }
+        }
+    }
+
+    /// The same at a place that may be far off the constraints: those equations count that did at the place before.
+    pub(crate) fn normals_off(
+        &mut self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        roots: &[Root<D>],
+    ) -> (f64, usize) {
+        let some = self.rank(rows) < rows.equations();
+        match self {
+            Self::Orthogonal(basis) if some => basis.normals_off(rows, blocks, roots),
+            Self::Few(few) if some => few.basis.normals_off(rows, blocks, roots),
+            _ => self.normals(rows, blocks, roots),
         }
     }
 

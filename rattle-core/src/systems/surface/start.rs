@@ -5,9 +5,7 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::kernel::rounding::{noise_of_g, size_along};
 use crate::motion::bodies::Body;
-use crate::motion::start::DIRECTION;
-use crate::motion::start::MAX_PROJECTION_STEPS;
-use crate::motion::start::START_TOLERANCE;
+use crate::motion::start::{DIRECTION, MAX_HALVINGS, MAX_PROJECTION_STEPS, RUNS_AWAY, START_TOLERANCE};
 use crate::motion::start::{allowed, finite, has_square, length_of};
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, scaled};
@@ -161,11 +159,6 @@ fn face_beyond<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     let stays = |to: &[f64; D]| !sign_changes::<f64, _, D, 1, 1>(constraint, &[there], &[*to]);
     (stays(&place) && stays(&add_scaled(&place, time, &along))).then_some((place, found))
 }
-
-/// From where a surface is nearly flat Newton's step leads far beyond it. A step after which g would be so many times
-/// as large is halved, so often at most, until g is no larger.
-const RUNS_AWAY: f64 = 1e3;
-const MAX_HALVINGS: i32 = 200;
 
 /// Newton's iteration q ← q − ∇g g/|∇g|², to the rounding floor, and the normal there.
 fn nearest<K: ConstraintKernel<f64, D, 1>, const D: usize>(

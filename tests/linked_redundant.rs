@@ -1,0 +1,280 @@
+//! Links of which some follow from the others where all hold, and only there: off the constraints their normals are
+//! independent by a sine of about how far off a place is. The motion has nothing of that, and nor have starts.
+
+use crate::common::PlanarGravity;
+use rattle::bodies::Many;
+use rattle::effect::list::Effects;
+use rattle::links::planar::Rod;
+use rattle::nalgebra::SVector;
+use rattle::network::Network;
+use rattle::prelude::*;
+
+constraint! {
+    /// The last body is halfway between the others.
+    struct Halfway {} |a: [f64; 2], c: [f64; 2], b: [f64; 2]| for i in 0..2 { b[i] - (a[i] + c[i]) / 2 }
+}
+
+constraint! {
+    /// Three directions at right angles. That the third has the length 1 follows from the others.
+    struct Frame {}
+    |a: [f64; 3], b: [f64; 3], c: [f64; 3]| [
+        dot(a, a) - 1,
+        dot(b, b) - 1,
+        dot(a, b),
+        c[0] - (a[1] * b[2] - a[2] * b[1]),
+        c[1] - (a[2] * b[0] - a[0] * b[2]),
+        c[2] - (a[0] * b[1] - a[1] * b[0]),
+        dot(c, c) - 1
+    ]
+}
+
+constraint! {
+    /// The same without that.
+    struct FrameOfSix {}
+    |a: [f64; 3], b: [f64; 3], c: [f64; 3]| [
+        dot(a, a) - 1,
+        dot(b, b) - 1,
+        dot(a, b),
+        c[0] - (a[1] * b[2] - a[2] * b[1]),
+        c[1] - (a[2] * b[0] - a[0] * b[2]),
+        c[2] - (a[0] * b[1] - a[1] * b[0])
+    ]
+}
+
+potential! {
+    /// A constant force on each of three bodies.
+    struct Pulls {}
+    |a: [f64; 3], b: [f64; 3], c: [f64; 3]|
+        -(0.3 * a[0] - 0.7 * a[1] + 0.2 * a[2])
+        - (0.5 * b[0] + 0.1 * b[1] - 0.4 * b[2])
+        - (-0.6 * c[0] + 0.8 * c[1] + 1.1 * c[2])
+}
+
+/// The pins of the cranks of a linkage whose first pin is there.
+fn pins([x, y]: [f64; 2]) -> [[f64; 2]; 3] {
+    let (sin, cos) = 0.3_f64.sin_cos();
+    [0.0, 1.0, 2.0].map(|i| [x + i * cos, y + i * sin])
+}
+
+/// Three parallel cranks whose ends are on one bar: two of them would do.
+fn linkage(first: [f64; 2]) -> Scene<Network<2>, impl Effects<2>, Many, 2> {
+    let scene = Scene::points(6)
+        .link(Rod { length: 1.0 }, [[0, 3], [1, 4], [2, 5]])
+        .link(Rod { length: 2.0 }, [[3, 5]])
+        .link(Halfway {}, [[3, 5, 4]])
+        .with(PlanarGravity { g: 9.81 });
+    pins(first).into_iter().enumerate().fold(scene, |scene, (i, pin)| scene.pin(i, pin))
+}
+
+/// The cranks turn. Numbers are as `write` leaves them.
+fn turning(first: [f64; 2], write: impl Fn(f64) -> f64) -> State<2> {
+    let (sin, cos) = (-2.0_f64).sin_cos();
+    let ends = pins(first).map(|[x, y]| [write(x + cos), write(y + sin)]);
+    let still = [[0.0; 2]; 3];
+    State::of(pins(first).into_iter().chain(ends))
+        .with_momenta(still.into_iter().chain([[write(-sin), write(cos)]; 3]))
+}
+
+fn exactly(x: f64) -> f64 {
+    x
+}
+
+/// As a file has it with 11 digits.
+fn printed(x: f64) -> f64 {
+    format!("{x:.10e}").parse().unwrap()
+}
+
+/// The one free direction remains, however far away the linkage is, and the energy is kept as near the origin.
+#[test]
+fn linkages_move_far_away() {
+    for first in [[0.0, 0.0], [1e4, 0.0], [1e4, 2e4], [5e5, 5e6]] {
+        let (scene, start) = (linkage(first), turning(first, exactly));
+        let mut simulation = scene.simulate(start.clone(), Rattle::new(0.01)).unwrap();
+        simulation.run(100).unwrap();
+        // Started anew from there it goes on.
+        let there = scene.project(&simulation.state()).unwrap();
+        let mut anew = scene.simulate(there, Rattle::new(0.01)).unwrap();
+        for simulation in [&mut simulation, &mut anew] {
+            let before = simulation.energy();
+            simulation.run(100).unwrap();
+            assert_eq!(simulation.freedom(), 1, "{first:?}");
+            let off = simulation.energy() - before;
+            // Heights are rounded to 1e-9 where they are the largest.
+            assert!(off.abs() < 1e-3, "{first:?}: {off:e}");
+        }
+        assert!(simulation.energy_error().abs() < 1e-3, "{first:?}: {:e}", simulation.energy_error());
+
+        let mut ensemble = scene.ensemble(vec![start.clone(); 3], Rattle::new(0.01)).unwrap();
+        ensemble.run(200);
+        for (lane, state) in ensemble.states().enumerate() {
+            let error = ensemble.failure(lane);
+            assert!(error.is_none(), "{first:?}: {error:?}");
+            let [alone, beside]: [Vec<_>; 2] =
+                [simulation.positions().collect(), state.positions().collect()];
+            let off = apart(&alone, &beside);
+            assert!(off <= 1e-12, "{first:?}, {lane}: {off:e}");
+        }
+    }
+}
+
+/// By an explicit method, whose stages are off the constraints.
+#[test]
+fn stages_of_linkages_are_right() {
+    for first in [[0.0, 0.0], [1e4, 2e4]] {
+        for h in [0.02, 0.01, 1e-3, 3e-4] {
+            let scene = linkage(first);
+            let mut simulation = scene.simulate(turning(first, exactly), Dop853::new(h)).unwrap();
+            simulation.run((0.9 / h) as u64).unwrap();
+            let (off, allowed) = (simulation.energy_error(), 1e-9 + 1e-12 * first[1]);
+            assert_eq!(simulation.freedom(), 1, "{first:?}, {h}");
+            assert!(off.abs() < allowed, "{first:?}, {h}: {off:e}");
+        }
+    }
+}
+
+/// Starts that are off by what is tolerated move, by every method, or are refused.
+#[test]
+fn printed_starts_move() {
+    fn check<S: Method>(method: S) {
+        let mut simulation = linkage([0.0; 2]).simulate(turning([0.0; 2], printed), method).unwrap();
+        simulation.run(10).unwrap();
+        let speed = simulation.momenta().map(|p| p.norm()).fold(0.0, f64::max);
+        assert!(speed > 0.5, "{}: {speed:e}", simulation.method().name());
+        assert_eq!(simulation.freedom(), 1, "{}", simulation.method().name());
+    }
+    check(Rattle::new(0.01));
+    check(Shake::new(0.01));
+    check(Baoab::new(0.01));
+    check(Dop853::new(0.01));
+    check(Taylor::new(10, 0.01));
+    check(Bdf2::new(0.01));
+    check(Lobatto::<3>::new(0.01));
+}
+
+/// And so do those that were projected, from near and from afar: no farther than they were off.
+#[test]
+fn starts_are_projected_across_the_motion() {
+    for off in [1e-12, 1e-11, 1e-9, 1e-7, 1e-5, 1e-3] {
+        for first in [[0.0; 2], [1e4, 2e4]] {
+            let exact = turning(first, exactly);
+            let places = exact.positions().enumerate().map(|(i, q)| {
+                let off = if i < 3 { 0.0 } else { off };
+                [q.x + off * (i as f64).sin(), q.y + off * (3.0 * i as f64).cos()]
+            });
+            let momenta = exact.momenta().map(|p| [p.x, p.y]);
+            let beside = State::of(places.collect::<Vec<_>>()).with_momenta(momenta);
+            let projected = linkage(first).project(&beside).unwrap();
+            for (a, b) in projected.positions().zip(beside.positions()) {
+                let allowed = 4.0 * off + 1e-15 * first[1] + 1e-15;
+                assert!((a - b).norm() <= allowed, "{off:e} {first:?}: moved by {:e}", (a - b).norm());
+            }
+            let simulation = linkage(first).simulate(projected, Rattle::new(0.01)).unwrap();
+            assert_eq!(simulation.freedom(), 1, "{off:e} {first:?}");
+            assert!(simulation.momenta().any(|p| p.norm() > 0.5), "{off:e} {first:?}");
+        }
+    }
+}
+
+/// Where the frame is at the time 1, by seven equations and by six, and how much energies are off.
+fn frames<S: Method>(steps: u64, method: S) -> [(Vec<SVector<f64, 3>>, f64); 2] {
+    // Turning at (0.4, −0.9, 1.3).
+    let start = State::of([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).with_momenta([
+        [0.0, 1.3, 0.9],
+        [-1.3, 0.0, 0.4],
+        [-0.9, -0.4, 0.0],
+    ]);
+    let scene = Scene::points(3).with(Pulls {}.over([[0, 1, 2]]));
+    [scene.clone().link(Frame {}, [[0, 1, 2]]), scene.link(FrameOfSix {}, [[0, 1, 2]])].map(|scene| {
+        let mut simulation = scene.simulate(start.clone(), method.clone()).unwrap();
+        simulation.run(steps).unwrap();
+        assert_eq!(simulation.freedom(), 3, "{}", method.name());
+        (simulation.positions().collect(), simulation.energy_error())
+    })
+}
+
+/// How far apart the places are.
+fn apart<const D: usize>(a: &[SVector<f64, D>], b: &[SVector<f64, D>]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+}
+
+/// Stages are off the constraints, and so is where a step ends: it is moved there, not along the motion.
+#[test]
+fn stages_take_no_more_equations_than_the_start() {
+    let [(right, _), _] = frames(100, Taylor::new(18, 0.01));
+    let check = |method: &str, h: f64, [(seven, off), (six, off_six)]: [(Vec<_>, f64); 2]| {
+        let (error, error_six) = (apart(&seven, &right), apart(&six, &right));
+        println!("{method}, {h}: {error:e} and {error_six:e}, energies {off:e} and {off_six:e}");
+        // Of other equations stages and projections are others, and errors as large.
+        assert!(error <= 2.0 * error_six + 1e-13, "{method}, {h}: {error:e} where six have {error_six:e}");
+        assert!(
+            off.abs() <= 4.0 * off_six.abs() + 1e-13,
+            "{method}, {h}: {off:e} where six have {off_six:e}"
+        );
+        // Of other equations stages and projections are others, and errors as large.
+        assert!(error <= 4.0 * error_six + 1e-13, "{method}, {h}: {error:e} where six have {error_six:e}");
+        assert!(
+            off.abs() <= 4.0 * off_six.abs() + 1e-12,
+            "{method}, {h}: {off:e} where six have {off_six:e}"
+        );
+    };
+    for steps in [5, 7, 10, 14, 20, 50, 100, 1000] {
+        let h = 1.0 / steps as f64;
+        check("Dop853", h, frames(steps, Dop853::new(h)));
+        check("adaptive Dop853", h, frames(steps, Dop853::adaptive(h, 1e-10)));
+        check("adaptive Taylor", h, frames(steps, Taylor::adaptive(10, h, 1e-10)));
+        for order in [6, 10, 14] {
+            check("Taylor", h, frames(steps, Taylor::new(order, h)));
+        }
+        check("Bdf2", h, frames(steps, Bdf2::new(h)));
+        check("Lobatto", h, frames(steps, Lobatto::<4>::new(h)));
+    }
+}
+
+/// Near the origin terms of g are as large as what is pinned.
+#[test]
+fn bodies_that_end_at_the_origin_are_projected() {
+    use rattle::links::Rod;
+    let check = |pin: [f64; 3], length: f64, end: [f64; 3]| {
+        let scene = Scene::points(2).link(Rod { length }, [[0, 1]]).pin(0, pin);
+        let projected = scene.project(&State::of([pin, end]));
+        let projected = projected.unwrap_or_else(|error| panic!("{pin:?} {length} {end:?}: {error}"));
+        let found =
+            projected.positions().map(|q| (q[0] - pin[0]).hypot((q[1] - pin[1]).hypot(q[2] - pin[2])));
+        let off = found.last().unwrap() - length;
+        assert!(off.abs() <= 4.0 * f64::EPSILON * length, "{pin:?} {length} {end:?}: {off:e}");
+    };
+    let pin = [1.5622853108777695, 1.783769397613859, -0.45764863954058477];
+    check(pin, 2.4149556794528357, [0.0; 3]);
+    let length = 0.940366682312408;
+    check([0.0, length, 0.0], length, [0.0, 2.1489705265908876e-5, 0.0]);
+    for i in 0..40 {
+        let pin = [2.399, 1.113, 3.771].map(|k| 2.0 * (k * f64::from(i) + 0.3).sin());
+        let length = pin[0].hypot(pin[1]).hypot(pin[2]);
+        for size in [0.0, 1e-12, 1e-9, 1e-6, 1e-3] {
+            check(pin, length, [1.7, 2.9, 4.3].map(|k| size * (k * f64::from(i)).cos()));
+        }
+    }
+}
+
+/// Ends that meet have no direction.
+#[test]
+fn a_rod_whose_ends_meet_has_no_normal() {
+    let scene = Scene::points::<3>(2).link(rattle::links::Rod { length: 1.0 }, [[0, 1]]);
+    let error = scene.project(&State::of([[0.5; 3]; 2])).unwrap_err().to_string();
+    assert!(error.contains("gradient") && !error.contains("finite"), "{error}");
+}
+
+/// From there Newton's step leads far beyond, where places are rounded to more.
+#[test]
+fn a_rod_whose_ends_nearly_meet_is_laid_where_they_are() {
+    let scene = Scene::points::<3>(2).link(rattle::links::Rod { length: 1.0 }, [[0, 1]]);
+    let middle = SVector::<f64, 3>::from([0.3, 0.7, -0.2]);
+    let along = SVector::<f64, 3>::from([2.0, -1.0, 2.0]) / 3.0;
+    let ends = [middle - 5e-10 * along, middle + 5e-10 * along].map(|q| [q.x, q.y, q.z]);
+    let projected = scene.project(&State::of(ends)).unwrap();
+    let ends: Vec<_> = projected.positions().collect();
+    assert!(((ends[0] + ends[1]) / 2.0 - middle).norm() <= 1e-15, "{ends:?}");
+    // 1e-9 has a direction to 1e-7.
+    assert!((ends[1] - ends[0] - along).norm() < 1e-6, "{ends:?}");
+    assert!(((ends[1] - ends[0]).norm() - 1.0).abs() <= 4.0 * f64::EPSILON, "{ends:?}");
+}
