@@ -132,6 +132,34 @@ fn stages_of_linkages_are_right() {
     }
 }
 
+/// From where a mechanism branches, with fewer independent equations than anywhere else, it goes on as it moves there.
+#[test]
+fn starts_at_branches_go_on() {
+    fn check<S: Method>(method: S, steps: u64, allowed: f64) {
+        // A parallelogram that is flat, and opens.
+        let scene = Scene::points(4)
+            .link(Rod { length: 1.0 }, [[0, 2], [1, 3]])
+            .link(Rod { length: 2.0 }, [[2, 3]])
+            .pin(0, [0.0, 0.0])
+            .pin(1, [2.0, 0.0]);
+        let start = State::of([[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [3.0, 0.0]]);
+        let start = start.with_momenta([[0.0, 0.0], [0.0, 0.0], [0.0, 1.0], [0.0, 1.0]]);
+        let mut simulation = scene.simulate(start, method).unwrap();
+        assert_eq!(simulation.freedom(), 2);
+        simulation.run(steps).unwrap();
+        assert_eq!(simulation.freedom(), 1);
+        let (sin, cos) = simulation.time().sin_cos();
+        let ends = [[0.0, 0.0], [2.0, 0.0], [cos, sin], [2.0 + cos, sin]].map(SVector::from);
+        let off = apart(&simulation.positions().collect::<Vec<_>>(), &ends);
+        assert!(off < allowed, "{}: {off:e}", simulation.method().name());
+    }
+    check(Rattle::new(1e-3), 1000, 1e-6);
+    check(Dop853::new(0.01), 100, 1e-12);
+    check(Dop853::new(0.1), 10, 1e-10);
+    check(Dop853::adaptive(0.1, 1e-11), 10, 1e-10);
+    check(Taylor::new(12, 0.05), 20, 1e-12);
+}
+
 /// Starts that are off by what is tolerated move, by every method, or are refused.
 #[test]
 fn printed_starts_move() {

@@ -38,3 +38,27 @@ fn links_at_a_small_angle_are_moved() {
         by!(Lobatto::<5>::new(0.001));
     }
 }
+
+potential! {
+    /// A spring to (1, 1).
+    struct Spring { k }
+    |x, y| k * ((x - 1)^2 + (y - 1)^2) / 2
+}
+
+/// A body without links beside a rod is at the origin in the middle of a step: forces are rounded to more than its
+/// place there.
+#[test]
+fn bodies_without_links_pass_the_origin() {
+    let (k, h) = (60.0_f64, 0.1);
+    let scene = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1]]).with(Spring { k }.over([[2]]));
+    let (sin, cos) = (k.sqrt() * h / 2.0).sin_cos();
+    for i in -200..=200 {
+        let (middle, begin) = (1e-6 * f64::from(i), -0.1);
+        let speed = k.sqrt() * (middle - 1.0 - (begin - 1.0) * cos) / sin;
+        let start = State::of([[5.0, 5.0], [6.0, 5.0], [begin, begin]]);
+        let start = start.with_momenta([[0.0, 0.0], [0.0, 0.0], [speed, speed]]);
+        let mut simulation = scene.simulate(start, Lobatto::<5>::new(h)).unwrap();
+        let step = simulation.step();
+        assert!(step.is_ok(), "{i}: {step:?}");
+    }
+}
