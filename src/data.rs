@@ -20,9 +20,9 @@
 
 mod npy;
 
-use crate::Trajectory;
+use crate::{Trajectory, files};
 use std::collections::HashSet;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
@@ -54,8 +54,7 @@ impl Npz {
     /// ```
     pub fn create(path: impl AsRef<Path>) -> Result<Self, DataError> {
         let path = path.as_ref().to_path_buf();
-        let file =
-            create_with_folder(&path).map_err(|source| DataError::Io { path: path.clone(), source })?;
+        let file = files::create(&path).map_err(|source| DataError::Io { path: path.clone(), source })?;
         Ok(Self {
             path,
             zip: ZipWriter::new(BufWriter::new(FailsOnce { file, failed: false })),
@@ -274,13 +273,6 @@ pub enum DataError {
 }
 
 debug_as_display!(DataError);
-
-fn create_with_folder(path: &Path) -> io::Result<File> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder)?;
-    }
-    File::create(path)
-}
 
 fn product(shape: &[usize]) -> Option<usize> {
     shape.iter().try_fold(1, |size: usize, &n| size.checked_mul(n))

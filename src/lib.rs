@@ -56,12 +56,14 @@ macro_rules! debug_as_display {
     )*};
 }
 
+mod base64;
 pub mod checkpoint;
 #[cfg(any(feature = "plot", feature = "view"))]
 mod constant;
 pub mod conventions;
 #[cfg(feature = "data")]
 pub mod data;
+mod files;
 pub mod links;
 #[cfg(feature = "plot")]
 pub mod plot;

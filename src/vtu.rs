@@ -18,6 +18,8 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
+use crate::base64::base64;
+use crate::files;
 use crate::xml::escaped;
 use std::fmt::{Debug, Write as _};
 use std::fs::{self, File};
@@ -57,7 +59,8 @@ impl<'a> Field<'a> {
     }
 }
 
-/// A grid with fields at its points and in its cells, as the text of a `.vtu` file. Numbers read back bit for bit.
+/// A grid with fields at its points and in its cells, as the text of a `.vtu` file. Numbers read back bit for bit: an
+/// array in which some are NaN or infinite is written as bytes in base64.
 ///
 /// # Panics
 /// If the length of a field is not the number of points, or cells.
@@ -79,47 +82,65 @@ pub fn text(
     assert!(fits(at_points, n), "a field at points has an entry for each point");
     assert!(fits(in_cells, m), "a field in cells has an entry for each cell");
     let mut out = String::from(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n",
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n",
     );
     let _ = writeln!(out, "<UnstructuredGrid><Piece NumberOfPoints=\"{n}\" NumberOfCells=\"{m}\">");
     for (place, fields) in [("PointData", at_points), ("CellData", in_cells)] {
         let _ = writeln!(out, "<{place}>");
         for Field { name, components, numbers } in fields {
-            array(&mut out, "Float64", name, *components, numbers);
+            floats(&mut out, name, *components, numbers);
         }
         let _ = writeln!(out, "</{place}>");
     }
     out.push_str("<Points>\n");
-    array(&mut out, "Float64", "points", 3, points.as_flattened());
+    floats(&mut out, "points", 3, points.as_flattened());
     out.push_str("</Points><Cells>\n");
     match cells {
-        Cells::Points => array(&mut out, "Int64", "connectivity", 1, 0..n),
+        Cells::Points => words(&mut out, "Int64", "connectivity", 1, 0..n),
         Cells::Triangles(triangles) => {
-            array(&mut out, "Int64", "connectivity", 1, triangles.as_flattened());
+            words(&mut out, "Int64", "connectivity", 1, triangles.as_flattened());
         }
     }
-    array(&mut out, "Int64", "offsets", 1, (1..=m).map(|i| corners * i));
-    array(&mut out, "UInt8", "types", 1, (0..m).map(|_| kind));
+    words(&mut out, "Int64", "offsets", 1, (1..=m).map(|i| corners * i));
+    words(&mut out, "UInt8", "types", 1, (0..m).map(|_| kind));
     out.push_str("</Cells></Piece></UnstructuredGrid></VTKFile>\n");
     out
 }
 
-fn array(
+/// As words, or as bytes: older readers end an array at the word `NaN`.
+fn floats(out: &mut String, name: &str, components: usize, numbers: &[f64]) {
+    if numbers.iter().all(|x| x.is_finite()) {
+        return words(out, "Float64", name, components, numbers);
+    }
+    let mut bytes = (8 * numbers.len() as u64).to_le_bytes().to_vec();
+    bytes.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
+    array(out, ["Float64", name, "binary"], components, &base64(&bytes));
+}
+
+fn words(
     out: &mut String,
     kind: &str,
     name: &str,
     components: usize,
     numbers: impl IntoIterator<Item = impl Debug>,
 ) {
+    let mut text = String::new();
+    for number in numbers {
+        let _ = write!(text, "{number:?} "); // into a string
+    }
+    array(out, [kind, name, "ascii"], components, &text);
+}
+
+fn array(out: &mut String, [kind, name, format]: [&str; 3], components: usize, content: &str) {
     let name = escaped(name);
     let _ = writeln!(
         out,
-        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"ascii\">"
+        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"{format}\">\n{content}\n</DataArray>"
     );
-    for number in numbers {
-        let _ = write!(out, "{number:?} "); // into a string
-    }
-    out.push_str("\n</DataArray>\n");
+}
+
+fn wrong(why: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, why)
 }
 
 /// A time series: files `name_000000.vtu`, … and `name.pvd` with their times. `name.pvd` is complete after each file.
@@ -147,7 +168,6 @@ impl Series {
     /// Those of the file system; a path without a file's name, or with one that is not Unicode.
     pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
         let path = path.as_ref();
-        let wrong = |why| io::Error::new(io::ErrorKind::InvalidInput, why);
         let name = path.file_name().ok_or_else(|| wrong("the path names no file"))?;
         let name = name.to_str().ok_or_else(|| wrong("the name of the file is not Unicode"))?;
         let name = name.strip_suffix(".pvd").unwrap_or(name).to_owned();
@@ -155,8 +175,7 @@ impl Series {
             return Err(wrong("the name of the file is its ending"));
         }
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        fs::create_dir_all(&folder)?;
-        let list = File::create(folder.join(format!("{name}.pvd")))?;
+        let list = files::create(&folder.join(format!("{name}.pvd")))?;
         let mut series = Self { folder, name, number: 0, still: Vec::new(), list, end: 0 };
         series
             .append("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\"><Collection>\n")?;
@@ -166,8 +185,11 @@ impl Series {
     /// Adds a grid that does not move, such as the surface, to all times added after it. Its file is `name_what.vtu`.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Those of the file system; a `what` of digits alone, which name the files of the series itself.
     pub fn beside(&mut self, what: &str, text: &str) -> io::Result<()> {
+        if !what.is_empty() && what.bytes().all(|byte| byte.is_ascii_digit()) {
+            return Err(wrong("what lies beside a series is called otherwise than by digits alone"));
+        }
         let file = format!("{}_{what}.vtu", self.name);
         fs::write(self.folder.join(&file), text)?;
         self.still.push(file);

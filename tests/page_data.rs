@@ -1,6 +1,7 @@
 //! What is written into the 3-D page, and scenes that cannot be drawn.
 
 use crate::page::{ball, billiards, flight};
+use base64::prelude::{BASE64_STANDARD, Engine};
 use rattle::view::{Page, PageError, Scene3};
 use serde_json::json;
 use std::fs;
@@ -12,20 +13,45 @@ fn written(scene: Scene3) -> serde_json::Value {
     serde_json::from_str(data.split("</script>").next().unwrap()).unwrap()
 }
 
+/// From the first time on, as the page has them.
+fn times_of(data: &serde_json::Value) -> Vec<f64> {
+    let bytes = BASE64_STANDARD.decode(data["scenes"][0]["times"].as_str().unwrap()).unwrap();
+    bytes.as_chunks().0.iter().map(|&four| f64::from(f32::from_le_bytes(four))).collect()
+}
+
 /// Surfaces that begin at the times of the motion are shown from there on: both are rounded to f32.
 #[test]
 fn surfaces_begin_at_their_times() {
-    let times: Vec<f64> = (0..10).map(|k| 0.1 * f64::from(k)).collect();
-    let surfaces: Vec<_> = times.iter().map(|&t| (t, ball(0.5 + t / 2.0))).collect();
-    let data = written(Scene3::new("balloon").times(&times).moving_surface(&surfaces));
-    let starts: Vec<f64> = serde_json::from_value(data["scenes"][0]["starts"].clone()).unwrap();
-    for (frame, time) in times.iter().enumerate() {
-        let shown = starts.iter().rposition(|start| *start <= f64::from(*time as f32));
-        assert_eq!(shown, Some(frame), "at {time}");
+    for from in [0.0, 1e6] {
+        let times: Vec<f64> = (0..10).map(|k| from + 0.1 * f64::from(k)).collect();
+        let surfaces: Vec<_> = times.iter().map(|&t| (t, ball(0.5 + (t - from) / 2.0))).collect();
+        let data = written(Scene3::new("balloon").times(&times).moving_surface(&surfaces));
+        let starts: Vec<f64> = serde_json::from_value(data["scenes"][0]["starts"].clone()).unwrap();
+        for (frame, time) in times_of(&data).into_iter().enumerate() {
+            assert_eq!(starts.iter().rposition(|start| *start <= time), Some(frame), "at {from} + {time}");
+        }
     }
+    let times = [0.0, 0.5, 1.0];
     let endless = [(f64::NEG_INFINITY, ball(0.5)), (1e300, ball(1.0))];
     let data = written(Scene3::new("balloon").times(&times).moving_surface(&endless));
     assert_eq!(data["scenes"][0]["starts"], json!([-1e300, 1e300]));
+}
+
+/// Late in a long run samples lie as far apart as early in it, although f32 knows no two of these times.
+#[test]
+fn late_times_are_as_far_apart_as_early_ones() {
+    for from in [0.0, 1e5, 1e6, -1e9, 1e12] {
+        let times: Vec<f64> = (0..100).map(|k| from + 0.05 * f64::from(k)).collect();
+        let path: Vec<_> = times.iter().map(|t| [t - from, 0.0, 0.0]).collect();
+        let data = written(Scene3::new("late").bodies(&times, &[path]));
+        assert_eq!(data["scenes"][0]["from"], json!(from));
+        let shown = times_of(&data);
+        assert_eq!((shown.len(), shown[0]), (100, 0.0));
+        for (pair, wanted) in shown.windows(2).zip(times.windows(2)) {
+            let [apart, wanted] = [pair, wanted].map(|pair| pair[1] - pair[0]);
+            assert!((apart / wanted - 1.0).abs() < 0.01, "{apart} and {wanted} after {from}");
+        }
+    }
 }
 
 #[test]
@@ -52,7 +78,8 @@ fn scenes_that_cannot_be_drawn_are_errors() {
         ("no time",   scene(&[0.0], &[vec![[0.0; 3]]]),                         "nothing moves"),
         ("backwards", scene(&[0.0, -1.0], &[path.to_vec()]),                    "time 1 is -1"),
         ("NaN time",  scene(&[f64::NAN, 1.0], &[path.to_vec()]),                "time 1 is 1"),
-        ("as one",    scene(&[1.0, 1.0 + 1e-12], &[path.to_vec()]),             "does not follow"),
+        ("as one",    scene(&[0.0, 1.0, 1.0 + 1e-12], &[path.to_vec()]),        "time 2 is 1.000000000001, which does not follow"),
+        ("endless",   scene(&[0.0, 1e39], &[path.to_vec()]),                    "time 1 is 1"),
         ("short",     scene(&[0.0, 1.0, 2.0], &[path.to_vec()]),                "body 0 has 2 positions for 3 times"),
         ("NaN",       scene(&[0.0, 1.0], &[path.to_vec(), vec![[0.0; 3], [0.0, f64::NAN, 0.0]]]), "body 1 is at [0.0, NaN, 0.0] at time 1"),
         ("no body",   flight().rods([(0, 1)]),                                  "there is no body 1 for a rod"),

@@ -86,6 +86,29 @@ fn a_constant_has_one_colour() {
     assert_eq!(page.complaints, Vec::<String>::new());
 }
 
+/// Late in a long run the page plays as it does early: the clock and a chart tell the time of the run.
+#[test]
+fn late_times_are_told_in_full() {
+    let Some(chromium) = browser::find() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("late.html");
+    let times: Vec<f64> = (0..=40).map(|k| 1e6 + 0.05 * f64::from(k)).collect();
+    let path: Vec<_> = (0..=40).map(|k| [0.1 * f64::from(k), 0.0, 0.0]).collect();
+    let heights: Vec<f64> = (0..=40).map(|k| (0.2 * f64::from(k)).sin()).collect();
+    let scene = Scene3::new("late").bodies(&times, &[path]).trail(20).chart("height", [("z", heights)]);
+    Page::new("Late").scene(scene).write(&file).unwrap();
+    let mut page = opened(&chromium, &file, [1120, 720]);
+    for (frame, clock) in [(0, "1.00000000·10⁶"), (10, "1.00000050·10⁶"), (40, "1.00000200·10⁶")] {
+        page.evaluate(&format!("rattle.pause(); rattle.seek({frame}); rattle.picture()"));
+        assert_eq!(page.evaluate("clock.firstChild.textContent.trim()"), json!(format!("t = {clock}")));
+        let cursor = page.evaluate("rattle.cursors()[0]").as_f64().unwrap();
+        assert!((cursor - f64::from(frame) / 40.0).abs() < 1e-3, "{cursor}");
+    }
+    page.evaluate("rattle.seek(15); rattle.draw()");
+    keep(&mut page, "late");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
 /// A film that one archive has no room for is several.
 #[test]
 fn long_films_are_several_archives() {

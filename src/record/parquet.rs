@@ -1,6 +1,7 @@
 //! Long tables for pandas, Polars and DuckDB: Apache Parquet.
 
 use super::stream::{NUMBERS, Writer, append, taken, width, wrong};
+use crate::files;
 use crate::watch::{Column, Rows};
 use parquet::basic::{Repetition, Type as Physical};
 use parquet::data_type::{DataType, DoubleType, Int64Type};
@@ -8,7 +9,7 @@ use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -41,10 +42,7 @@ impl Parquet {
     /// # Errors
     /// Those of the file system.
     pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
-        if let Some(folder) = path.as_ref().parent() {
-            fs::create_dir_all(folder)?;
-        }
-        Ok(Self { begun: Begun::Not(File::create(path)?), waiting: Rows::default() })
+        Ok(Self { begun: Begun::Not(files::create(path.as_ref())?), waiting: Rows::default() })
     }
 
     /// The file, begun with the columns of the rows that wait.

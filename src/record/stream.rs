@@ -1,8 +1,9 @@
 //! A thread that writes rows, and the formats of its files.
 
 use crate::data::{DataError, Npz};
+use crate::files;
 use crate::watch::{Column, Rows, Sink};
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -279,14 +280,15 @@ impl Writer for NpzParts {
 /// Extended XYZ: one frame for each row, with the positions of the bodies and, if they were recorded, their momenta.
 /// Bodies have one to three coordinates; missing ones are written as 0. The second line of a frame has the time, step,
 /// trajectory and the other numbers of the row; a quantity of one's own called `p` is one of these. They are called as
-/// they were recorded, with `_` for blanks, `=` and `"`. A quantity called as a key of the format itself is refused:
-/// `Lattice`, `Properties`, `pbc`, `Time`, `Step` or `Trajectory`; so are two of one name.
+/// they were recorded, with `_` for blanks, `=`, quotes, brackets and `\`. A quantity called as a key of the format
+/// itself is refused: `Lattice`, `Properties`, `pbc`, `Time`, `Step` or `Trajectory`; so are two of one name.
 #[doc(alias = "ovito")]
 #[doc(alias = "dump")]
 #[derive(Debug)]
 pub struct Xyz<W: Write> {
     to: BufWriter<W>,
-    species: String,
+    /// One for all bodies, or one for each.
+    species: Vec<String>,
     /// What a line says of the cell.
     cell: String,
 }
@@ -298,10 +300,7 @@ impl Xyz<File> {
     /// What the system says; a species that is not one word.
     pub fn create(path: impl AsRef<Path>, species: &str) -> io::Result<Self> {
         one_word(species)?;
-        if let Some(folder) = path.as_ref().parent() {
-            fs::create_dir_all(folder)?;
-        }
-        Ok(Self::to(File::create(path)?, species))
+        Ok(Self::to(files::create(path.as_ref())?, species))
     }
 }
 
@@ -317,7 +316,24 @@ fn one_word(species: &str) -> io::Result<()> {
 impl<W: Write> Xyz<W> {
     /// Writes frames to a writer, such as an open file. Each body is an atom of this species: "Ar", "X".
     pub fn to(to: W, species: &str) -> Self {
-        Self { to: BufWriter::new(to), species: species.into(), cell: "pbc=\"F F F\"".into() }
+        Self { to: BufWriter::new(to), species: vec![species.into()], cell: "pbc=\"F F F\"".into() }
+    }
+
+    /// The same, where each body is an atom of a species of its own: they are told body by body.
+    ///
+    /// ```
+    /// # use rattle::record::Xyz;
+    /// let xyz = Xyz::to(Vec::new(), "X").species(&["O", "H", "H"])?;
+    /// # drop(xyz);
+    /// # Ok::<(), std::io::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A species that is not one word. If there are not as many as bodies, nothing can be written.
+    pub fn species(self, of_bodies: &[impl AsRef<str>]) -> io::Result<Self> {
+        let species = of_bodies.iter().map(|species| species.as_ref().to_string()).collect::<Vec<_>>();
+        species.iter().try_for_each(|species| one_word(species))?;
+        Ok(Self { species, ..self })
     }
 
     /// The same, whose frames have a cell: from the origin along the axes, of these lengths, and periodic along some of
@@ -347,7 +363,7 @@ impl<W: Write> Xyz<W> {
 
 impl<W: Write + Send + 'static> Writer for Xyz<W> {
     fn write(&mut self, rows: &Rows) -> io::Result<()> {
-        one_word(&self.species)?;
+        self.species.iter().try_for_each(|species| one_word(species))?;
         let positions = rows.column("q").ok_or_else(|| wrong("extended XYZ wants recorded positions"))?;
         let &[bodies, coordinates] = &positions.shape[..] else {
             return Err(wrong("extended XYZ wants positions of bodies"));
@@ -355,13 +371,19 @@ impl<W: Write + Send + 'static> Writer for Xyz<W> {
         if coordinates > 3 {
             return Err(wrong("extended XYZ has three coordinates at most"));
         }
+        if ![1, bodies].contains(&self.species.len()) {
+            return Err(wrong(format!(
+                "extended XYZ has {} species for {bodies} bodies",
+                self.species.len()
+            )));
+        }
         let mut vectors = vec![rows.numbers("q").collect::<Vec<_>>()];
         let has_momenta = is_as_positions(rows, "p");
         vectors.extend(has_momenta.then(|| rows.numbers("p").collect()));
         let momenta = if has_momenta { ":momenta:R:3" } else { "" };
         let is_vector = |name: &str| name == "q" || has_momenta && name == "p";
         let others = rows.columns.iter().filter(|column| !is_vector(&column.name));
-        let key = |name: &str| name.replace(|c: char| c.is_whitespace() || "=\"".contains(c), "_");
+        let key = |name: &str| name.replace(|c: char| c.is_whitespace() || "=\"'{}[]()\\".contains(c), "_");
         let others = others.map(|column| (key(&column.name), rows.numbers(&column.name).collect::<Vec<_>>()));
         let others = others.collect::<Vec<_>>();
         for (i, (name, _)) in others.iter().enumerate() {
@@ -385,7 +407,7 @@ impl<W: Write + Send + 'static> Writer for Xyz<W> {
             }
             writeln!(self.to)?;
             for body in 0..bodies {
-                write!(self.to, "{}", self.species)?;
+                write!(self.to, "{}", self.species[body.min(self.species.len() - 1)])?;
                 for of in &vectors {
                     for i in 0..3 {
                         let x = if i < coordinates { of[row][body * coordinates + i] } else { 0.0 };

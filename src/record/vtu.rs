@@ -31,7 +31,7 @@ impl Vtu {
     /// mesh, `mesh.to_vtu()` (feature `view`).
     ///
     /// # Errors
-    /// What the system says.
+    /// What the system says; a `what` of digits alone, which name the files of the rows.
     pub fn beside(mut self, what: &str, text: &str) -> io::Result<Self> {
         self.series.beside(what, text)?;
         Ok(self)

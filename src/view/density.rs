@@ -1,6 +1,6 @@
 //! The density of points on a mesh.
 
-use super::mesh::{Mesh, MeshError};
+use super::mesh::{Mesh, MeshError, cross, length, minus};
 use std::collections::HashMap;
 
 impl Mesh {
@@ -45,12 +45,7 @@ impl Mesh {
         let mut areas = vec![0.0; self.vertices.len()];
         for corners in &self.triangles {
             let [a, b, c] = corners.map(|vertex| self.vertices[vertex as usize]);
-            let [u, v] = [b, c].map(|end| [0, 1, 2].map(|i| end[i] - a[i]));
-            let cross = [0, 1, 2].map(|i| {
-                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                u[j] * v[k] - u[k] * v[j]
-            });
-            let area = 0.5 * cross.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let area = 0.5 * length(cross(minus(b, a), minus(c, a)));
             corners.iter().for_each(|&vertex| areas[vertex as usize] += area / 3.0);
         }
         areas

@@ -7,13 +7,13 @@
 //!
 //! A point is rounded to 1/65535 of the scene's cube, a thirtieth of a pixel; the page has half the size of one with
 //! f32. A graphics processor knows f32 alone: the page draws from a middle of the scene and in a unit of its own, which
-//! are kept as f64, as is the middle of a chart.
+//! are kept as f64, as are the middle of a chart and the first time, from which all times are told.
 
 use super::mesh::Mesh;
 use super::parts::{End, Moved, Strip};
 use super::scene::Scene3;
+use crate::base64::base64;
 use crate::constant::is_constant;
-use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};
 use std::borrow::Borrow;
 
@@ -35,7 +35,7 @@ pub(super) fn scene_json(scene: &Scene3, meshes: &[usize]) -> Value {
         .map(|disc| json!({ "centre": index(&disc.centre), "axis": disc.axis, "radius": disc.radius }))
         .collect();
     // As the times that they are compared with.
-    let starts = scene.surfaces.iter().map(|(time, _)| match f64::from(*time as f32) {
+    let starts = scene.surfaces.iter().map(|(time, _)| match f64::from(scene.since_first(*time)) {
         start if start.is_finite() => start,
         endless => 1e300_f64.copysign(endless),
     });
@@ -61,13 +61,14 @@ pub(super) fn scene_json(scene: &Scene3, meshes: &[usize]) -> Value {
         "unit": unit,
         "periods": scene.periods,
         "particles": bodies,
-        "times": singles(&scene.times),
+        "from": scene.times[0],
+        "times": letters(scene.times.iter().flat_map(|time| scene.since_first(*time).to_le_bytes())),
         "positions": points_json(scene.positions.iter().flatten()),
         "sizes": sizes,
         "tints": tints,
         "names": scene.names,
         "places": places,
-        "rods": base64(rods.into_iter().flat_map(u32::to_le_bytes)),
+        "rods": letters(rods.into_iter().flat_map(u32::to_le_bytes)),
         "discs": discs,
         "walls": scene.walls,
         "boxes": scene.boxes.iter().map(box_json).collect::<Vec<_>>(),
@@ -127,7 +128,7 @@ fn scale_json(label: &str, each: usize, values: &[f64]) -> Value {
     let [low, high] = ends(values.iter().copied());
     let span = if is_constant(low, high) { f64::INFINITY } else { high - low };
     let fraction = |value: &f64| (((value - low) / span * f64::from(u16::MAX)).round() as u16).to_le_bytes();
-    json!({ "label": label, "low": low, "high": high, "each": each, "values": base64(values.iter().flat_map(fraction)) })
+    json!({ "label": label, "low": low, "high": high, "each": each, "values": letters(values.iter().flat_map(fraction)) })
 }
 
 /// Attitudes as quaternions x, y, z, w.
@@ -168,12 +169,12 @@ pub(super) fn mesh_json(mesh: &Mesh) -> Value {
     json!({
         "closed": closed,
         "vertices": points_json(mesh.vertices.iter()),
-        "normals": base64(mesh.normals.iter().flatten().flat_map(normal)),
+        "normals": letters(mesh.normals.iter().flatten().flat_map(normal)),
         "wide": wide,
         "triangles": if wide {
-            base64(indices.flat_map(u32::to_le_bytes))
+            letters(indices.flat_map(u32::to_le_bytes))
         } else {
-            base64(indices.flat_map(|i| (i as u16).to_le_bytes()))
+            letters(indices.flat_map(|i| (i as u16).to_le_bytes()))
         },
     })
 }
@@ -185,13 +186,13 @@ fn points_json<'a>(points: impl Iterator<Item = &'a [f64; 3]> + Clone) -> Value 
     let size = sides.iter().map(|[low, high]| high - low).fold(f64::MIN_POSITIVE, f64::max);
     let fraction = |i: usize, x: f64| ((x - corner[i]) / size * f64::from(u16::MAX)).round() as u16;
     let bytes = points.clone().flat_map(|p| [0, 1, 2].map(|i| fraction(i, p[i]).to_le_bytes())).flatten();
-    json!({ "corner": corner, "size": size, "points": base64(bytes) })
+    json!({ "corner": corner, "size": size, "points": letters(bytes) })
 }
 
 fn singles(values: impl IntoIterator<Item = impl Borrow<f64>>) -> String {
-    base64(values.into_iter().flat_map(|value| (*value.borrow() as f32).to_le_bytes()))
+    letters(values.into_iter().flat_map(|value| (*value.borrow() as f32).to_le_bytes()))
 }
 
-fn base64(bytes: impl IntoIterator<Item = u8>) -> String {
-    BASE64_STANDARD.encode(bytes.into_iter().collect::<Vec<u8>>())
+fn letters(bytes: impl IntoIterator<Item = u8>) -> String {
+    base64(&bytes.into_iter().collect::<Vec<u8>>())
 }

@@ -19,7 +19,7 @@ pub enum PageError {
         /// The scene.
         scene: String,
     },
-    /// Times are not finite, or do not increase, when rounded to f32.
+    /// Times are not finite, or do not increase, when what they are past the first one is rounded to f32.
     #[error("scene `{scene}`: time {frame} is {time}, which does not follow the one before")]
     Times {
         /// The scene.

@@ -46,6 +46,19 @@ pub fn surface(constraint: &impl Constraint<3, 1>) -> impl Fn([f64; 3]) -> (f64,
 }
 
 /// Triangles with a normal at each vertex. Seen from the side where g > 0, triangles run counter-clockwise.
+///
+/// All three lists are public, for a renderer of one's own: vertices are shared and triangles name them by number, as
+/// buffers of vertices and of indices do.
+///
+/// ```
+/// # let g = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z - 1.0, [2.0 * x, 2.0 * y, 2.0 * z]);
+/// # let mesh = rattle::view::Mesh::of(g, [-1.5; 3], [1.5; 3], 20)?;
+/// let places: Vec<[f32; 3]> = mesh.vertices.iter().map(|q| q.map(|x| x as f32)).collect();
+/// let normals: Vec<[f32; 3]> = mesh.normals.iter().map(|n| n.map(|x| x as f32)).collect();
+/// let indices: &[u32] = mesh.triangles.as_flattened();
+/// # assert!(places.len() == normals.len() && indices.iter().all(|&i| (i as usize) < places.len()));
+/// # Ok::<(), rattle::view::MeshError>(())
+/// ```
 #[doc(alias = "triangulation")]
 #[doc(alias = "isosurface")]
 #[doc(alias = "marching cubes")]
@@ -224,13 +237,20 @@ impl Mesh {
     /// Merges vertices nearer than `distance` along an edge, so that no triangle is degenerate and no hole opens.
     fn drop_slivers(&mut self, distance: f64) {
         let mut same: Vec<u32> = (0..self.vertices.len() as u32).collect();
+        let first = |same: &[u32], mut vertex: u32| {
+            while same[vertex as usize] != vertex {
+                vertex = same[vertex as usize];
+            }
+            vertex
+        };
         for [a, b] in self.edges() {
             if length(minus(self.vertices[a as usize], self.vertices[b as usize])) < distance {
-                same[b as usize] = same[a as usize]; // edges are sorted: `same[a]` is final
+                let [a, b] = [a, b].map(|vertex| first(&same, vertex));
+                same[a.max(b) as usize] = a.min(b);
             }
         }
         for triangle in &mut self.triangles {
-            *triangle = triangle.map(|vertex| same[vertex as usize]);
+            *triangle = triangle.map(|vertex| first(&same, vertex));
         }
         self.triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
     }

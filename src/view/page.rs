@@ -9,8 +9,10 @@ use super::encode::{mesh_json, scene_json};
 use super::error::PageError;
 use super::mesh::Mesh;
 use super::scene::Scene3;
+use crate::files;
+use crate::xml::escaped;
 use serde_json::{Value, json};
-use std::fs;
+use std::io::Write as _;
 use std::path::Path;
 
 /// The page's own script, one module in parts.
@@ -94,7 +96,7 @@ impl Page {
         let meshes: Vec<Value> = meshes.into_iter().map(mesh_json).collect();
         let data = json!({ "meshes": meshes, "scenes": scenes }).to_string();
         Ok(fill(include_str!("page.html"), |name| match name {
-            "title" => escape(&self.title),
+            "title" => escaped(&self.title),
             "style" => include_str!("page.css").into(),
             "three" => include_str!("three.min.js").into(),
             "script" => SCRIPT.into(),
@@ -118,7 +120,7 @@ impl Page {
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), PageError> {
         let path = path.as_ref();
         let html = self.to_html()?;
-        let written = path.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(path, html));
+        let written = files::create(path).and_then(|mut file| file.write_all(html.as_bytes()));
         written.map_err(|source| PageError::Io { path: path.into(), source })
     }
 }
@@ -133,8 +135,4 @@ fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
         html += rest;
     }
     html
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

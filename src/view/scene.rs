@@ -334,10 +334,9 @@ impl Scene3 {
         if !moves || self.times.len() < 2 {
             return Err(PageError::NoMotion { scene: scene() });
         }
-        // The page holds times as f32, and divides by their differences.
-        let single = |i: usize| self.times[i] as f32;
-        let increasing =
-            |&i: &usize| single(i - 1).is_finite() && single(i).is_finite() && single(i - 1) < single(i);
+        // The page divides by the differences of the times that it holds.
+        let since = |i: usize| self.since_first(self.times[i]);
+        let increasing = |&i: &usize| since(i).is_finite() && since(i - 1) < since(i);
         if let Some(frame) = (1..self.times.len()).find(|i| !increasing(i)) {
             return Err(PageError::Times { scene: scene(), frame, time: self.times[frame] });
         }
@@ -357,6 +356,11 @@ impl Scene3 {
         }
         self.check_bodies()?;
         self.check_shapes()
+    }
+
+    /// A time as the page holds it: f32, and from the first time on, since late in a run f32 would tell few apart.
+    pub(super) fn since_first(&self, time: f64) -> f32 {
+        (time - self.times[0]) as f32
     }
 
     /// Numbers of bodies, of vertices and in charts.

@@ -1,6 +1,7 @@
 //! Shapes besides bodies: rods, discs, walls, boxes that turn, axes, and charts beside the motion.
 
 use super::error::PageError;
+use super::mesh::{cross, dot};
 use super::parts::{Disc, End, Moved, Strip};
 use super::scene::{Scene3, TIMES};
 
@@ -165,15 +166,11 @@ impl Scene3 {
 }
 
 /// Whether the columns are orthonormal, as well as a picture needs it, and right-handed.
-fn is_rotation([a, b, c]: &[[f64; 3]; 3]) -> bool {
-    let dot = |u: &[f64; 3], v: &[f64; 3]| (0..3).map(|i| u[i] * v[i]).sum::<f64>();
+fn is_rotation(&[a, b, c]: &[[f64; 3]; 3]) -> bool {
     let near = |value: f64, wanted: f64| (value - wanted).abs() < 1e-3;
-    let cross = [0, 1, 2].map(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j] * b[k] - a[k] * b[j]
-    });
+    let third = cross(a, b);
     near(dot(a, a), 1.0)
         && near(dot(b, b), 1.0)
         && near(dot(a, b), 0.0)
-        && (0..3).all(|i| near(cross[i], c[i]))
+        && (0..3).all(|i| near(third[i], c[i]))
 }

@@ -24,3 +24,5 @@ mod price_page;
 mod recorded;
 #[path = "../recorders.rs"]
 mod recorders;
+#[path = "../written.rs"]
+mod written;

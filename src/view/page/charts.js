@@ -31,20 +31,18 @@ class Chart {
     page.addEventListener("pointermove", (event) => event.buttons && this.seek?.(follow(event)));
   }
 
+  /** Between the first sample and the last; times of a chart are those after the first. */
   get span() {
-    const { times, last } = this.motion;
-    return [times[0], times[last]];
+    return this.motion.times[this.motion.last];
   }
 
   timeAt(x) {
-    const [from, to] = this.span;
     const part = (x - this.left) / (this.width - this.left - EDGE.right);
-    return from + Math.min(Math.max(part, 0), 1) * (to - from);
+    return Math.min(Math.max(part, 0), 1) * this.span;
   }
 
   x(time) {
-    const [from, to] = this.span;
-    return this.left + ((time - from) / (to - from)) * (this.width - this.left - EDGE.right);
+    return this.left + (time / this.span) * (this.width - this.left - EDGE.right);
   }
 
   y(value) {
@@ -71,7 +69,11 @@ class Chart {
     const most = Math.max((this.height - EDGE.top - EDGE.bottom) / 34, 1);
     const up = ticks(this.middle + this.low, this.middle + this.high, most).map(({ value, label }) => ({ value: value - this.middle, label }));
     this.left = 14 + Math.max(...up.map(({ label }) => pen.measureText(label).width), 0);
-    const across = ticks(...this.span, Math.max((this.width - this.left) / 70, 1));
+    const { from } = this.motion;
+    const times = (room) => ticks(from, from + this.span, Math.max((this.width - this.left) / room, 1));
+    // One and a half times as wide as a label, since the last one is moved back into the picture.
+    const room = Math.max(70, ...times(70).map(({ label }) => 1.5 * pen.measureText(label).width));
+    const across = times(room).map(({ value, label }) => ({ value: value - from, label }));
     const [bottom, right] = [this.height - EDGE.bottom, this.width - EDGE.right];
     const rule = (a, b, colour) => {
       pen.strokeStyle = colour;

@@ -96,15 +96,15 @@ class Motion {
   constructor(source) {
     Object.assign(this, source);
     this.#fromMiddle();
-    this.times = decode(source.times, Float32Array);
+    this.times = decode(source.times, Float32Array); // after the first, which is `from`
     this.frames = this.times.length;
     this.positions = decodePoints(source.positions, this);
     this.rods = decode(source.rods, Uint32Array);
     this.last = this.frames - 1;
     this.frame = 0;
-    const span = this.times[this.last] - this.times[0];
+    const span = this.times[this.last];
     this.pace = span / source.seconds;
-    this.written = notation(Math.max(Math.abs(this.times[0]), Math.abs(this.times[this.last])), (1.02 * span) / this.last);
+    this.written = notation(Math.max(Math.abs(this.from), Math.abs(this.from + span)), (1.02 * span) / this.last);
     this.charts = source.charts.map(({ title, middle, curves }) => ({
       title,
       middle,
@@ -384,10 +384,16 @@ class Motion {
     this.frame = time >= this.times[this.last] ? 0 : this.frameAt(time);
   }
 
+  /** After the first sample. */
   time() {
     const whole = Math.min(Math.floor(this.frame), this.last);
     const next = Math.min(whole + 1, this.last);
     return this.times[whole] + (this.frame - whole) * (this.times[next] - this.times[whole]);
+  }
+
+  /** The time of the run, in words. */
+  clock() {
+    return this.written(this.from + this.time());
   }
 
   frameAt(time) {

@@ -113,7 +113,7 @@ function start() {
     const { frame, last } = motion();
     const whole = Math.floor(frame);
     if (Number(slider.value) !== whole) slider.value = whole;
-    const time = `t = ${motion().written(motion().time())}`;
+    const time = `t = ${motion().clock()}`;
     if (slider.getAttribute("aria-valuetext") !== time) {
       slider.setAttribute("aria-valuetext", time);
       clock.innerHTML = `${time} <small>${whole} / ${last}</small>`;
@@ -196,10 +196,10 @@ function start() {
     const { frame, times, last, pace } = motion();
     const archives = [];
     let archive = new Archive();
-    const count = Math.max(Math.round(((times[last] - times[0]) / pace / speed) * FILM_RATE), 1);
+    const count = Math.max(Math.round((times[last] / pace / speed) * FILM_RATE), 1);
     const words = element("film").textContent;
     for (let i = 0; i <= count && !mine.ended; i++) {
-      seek(motion().frameAt(times[0] + ((times[last] - times[0]) * i) / count));
+      seek(motion().frameAt((times[last] * i) / count));
       const png = await toPng(picture());
       const bytes = new Uint8Array(await png.arrayBuffer());
       if (!archive.hasRoom(bytes, mostFiles)) {
