@@ -4,12 +4,15 @@ use crate::Error;
 use std::io;
 use std::path::PathBuf;
 
+/// Of the files that are written; earlier ones are read.
+pub(super) const VERSION: u32 = 1;
+
 /// Why a run cannot be saved or restored.
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
     /// The file can't be written or read.
-    #[error("{}: {source}; the last checkpoint is as it was", path.display())]
+    #[error("{}: {source}; no checkpoint was changed", path.display())]
     Io {
         /// The file.
         path: PathBuf,
@@ -23,7 +26,7 @@ pub enum CheckpointError {
         path: PathBuf,
     },
     /// The file was written by a later version.
-    #[error("{}: a checkpoint of version {version}, and versions up to 1 are known here; use a later rattle", path.display())]
+    #[error("{}: a checkpoint of version {version}, and versions up to {VERSION} are known here; use a later rattle", path.display())]
     Version {
         /// The file.
         path: PathBuf,

@@ -1,16 +1,18 @@
 //! Records as bytes, and files that appear whole or not at all.
 
-use super::error::CheckpointError;
+use super::error::{CheckpointError, VERSION};
 use rattle_core::motion::record::{Data, Field, Record};
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 8] = b"\x89RATTLE\n";
-const VERSION: u32 = 1;
 /// Magic, version and length stand before the fields, and a check sum after them.
 const HEAD: usize = 8 + 4 + 8;
 const SUM: usize = 4;
+
+/// So many links one after the other are followed, as Linux does.
+const MOST_LINKS: usize = 40;
 
 /// A record as the bytes of a file.
 #[must_use]
@@ -124,7 +126,7 @@ fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
 
 /// Where the file is, and where it is written before it gets its name.
 fn places(path: &Path) -> io::Result<(PathBuf, PathBuf)> {
-    let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf()); // a link stays one
+    let place = behind_links(path)?;
     if fs::metadata(&place).is_ok_and(|found| !found.is_file()) {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "there is something that is no plain file"));
     }
@@ -135,6 +137,16 @@ fn places(path: &Path) -> io::Result<(PathBuf, PathBuf)> {
     beside.push(".part");
     let beside = place.with_file_name(beside);
     Ok((place, beside))
+}
+
+/// Where a file is or is to be: a link stays one, also before it leads to a file.
+fn behind_links(path: &Path) -> io::Result<PathBuf> {
+    let mut place = path.to_path_buf();
+    for _ in 0..=MOST_LINKS {
+        let Ok(next) = fs::read_link(&place) else { return Ok(place) };
+        place = place.with_file_name(next); // which may begin at the root
+    }
+    Err(io::Error::other("links lead round, or too many follow each other"))
 }
 
 fn fill(beside: &Path, bytes: &[u8]) -> io::Result<()> {

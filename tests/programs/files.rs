@@ -4,6 +4,8 @@
 
 #[path = "../checkpoints.rs"]
 mod checkpoints;
+#[path = "../checkpoint_links.rs"]
+mod checkpoint_links;
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../data.rs"]
