@@ -22,10 +22,11 @@ mod draw;
 mod series;
 mod svg;
 
+use crate::files;
 use curve::{Curve, Map, Style};
 use draw::Sheet;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 /// A family shows this many of its curves in the legend.
 const FAMILY_LABELS: usize = 5;
@@ -278,8 +279,9 @@ impl Chart {
         self
     }
 
-    /// On log–log axes, a dashed line of the given slope below the curve added last, to compare the order of
-    /// convergence. Nothing is drawn without a curve before it, or on linear axes.
+    /// On log–log axes, a dashed line of the given slope to compare the order of convergence: everywhere below the
+    /// curve added last, and where they are nearest at half its height. Nothing is drawn without a curve before it, or
+    /// on linear axes.
     ///
     /// ```
     /// # use rattle::plot::Chart;
@@ -331,7 +333,7 @@ impl Chart {
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), PlotError> {
         let path = path.as_ref();
         let svg = self.to_svg()?;
-        let written = path.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(path, svg));
+        let written = files::create(path).and_then(|mut file| file.write_all(svg.as_bytes()));
         written.map_err(|source| PlotError::Io { path: path.into(), source })
     }
 
@@ -349,8 +351,11 @@ impl Chart {
             return Err(PlotError::Empty { title: self.title.clone() });
         }
         for (number, curve) in self.curves.iter().enumerate() {
-            for (index, &(x, y)) in curve.points.iter().enumerate() {
+            for (place, &(x, y)) in curve.points.iter().enumerate() {
                 let names = || (self.title.clone(), curve.label.clone());
+                // A band goes there and back.
+                let back = curve.points.len() - 1 - place;
+                let index = if curve.style == Style::Band { place.min(back) } else { place };
                 if !(x.abs() <= LARGEST && y.abs() <= LARGEST) {
                     let (title, label) = names();
                     return Err(PlotError::NotFinite { title, curve: number, label, index, x, y });

@@ -356,6 +356,51 @@ fn a_band_lies_between_its_curves() {
     assert!(svg.lines().rfind(|line| line.contains("stroke-width=\"1.6\"")).unwrap().contains(colour));
 }
 
+/// A number of a band that cannot be drawn is told as the one of the list that was given, in either curve.
+#[test]
+fn a_band_tells_which_of_its_points_is_none() {
+    let error = |spoilt: usize, high: bool| {
+        let of = |i: usize, is_high: bool| if i == spoilt && high == is_high { f64::NAN } else { 1.0 };
+        Chart::new("").band("", (0..4).map(|i| (i as f64, of(i, false), of(i, true)))).to_svg().unwrap_err()
+    };
+    for (spoilt, high) in (0..4).flat_map(|i| [(i, false), (i, true)]) {
+        let PlotError::NotFinite { index, x, .. } = error(spoilt, high) else { panic!("another error") };
+        assert_eq!((index, x), (spoilt, spoilt as f64), "high: {high}");
+    }
+    let falls = Chart::new("").log_y().band("", [(0.0, 1.0, 2.0), (1.0, 1.0, 0.0), (2.0, 1.0, 2.0)]);
+    assert!(matches!(falls.to_svg(), Err(PlotError::NotPositive { index: 1, .. })));
+}
+
+/// A line to compare with lies below its curve and between its ends, whatever the curve does.
+#[test]
+fn a_slope_lies_below_its_curve() {
+    let powers = |p: f64| {
+        (0..=12).map(move |k| 0.01_f64 * 10_f64.powf(f64::from(k) / 6.0)).map(move |x| (x, x.powf(p)))
+    };
+    let saturated = powers(4.0).map(|(x, y)| (x, y + 1e-5));
+    let bent = powers(2.0).map(|(x, y)| (x, if x > 0.5 { 100.0 * y } else { y }));
+    let curves: [(&str, Vec<(f64, f64)>); 6] = [
+        ("as steep", powers(2.0).collect()),
+        ("steeper", powers(4.0).collect()),
+        ("flatter", powers(0.5).collect()),
+        ("constant", powers(0.0).collect()),
+        ("saturated", saturated.collect()),
+        ("bent", bent.collect()),
+    ];
+    for ((name, curve), order) in curves.iter().flat_map(|curve| [(curve, 2.0), (curve, -1.0), (curve, 4.0)])
+    {
+        let svg = Chart::new("").log_log().line("", curve.iter().copied()).slope(order, "").to_svg().unwrap();
+        let (curve, line) = (places(&svg, 0), places(&svg, 1));
+        let [a, b] = line[..] else { panic!("{name}, {order}: {line:?}") };
+        let [first, last] = [curve[0], curve[curve.len() - 1]];
+        assert!(a[0] < b[0] && a[0] > first[0] - 0.1 && b[0] < last[0] + 0.1, "{name}, {order}: {line:?}");
+        for [x, y] in curve.into_iter().filter(|place| place[0] >= a[0] && place[0] <= b[0]) {
+            let height = a[1] + (b[1] - a[1]) * (x - a[0]) / (b[0] - a[0]); // down the sheet
+            assert!(height > y + 1.0, "{name}, {order}: {height} at {x}, and the curve is at {y}");
+        }
+    }
+}
+
 /// Cells tile their rectangle, low y below, and the lowest and the highest number have the ends of viridis.
 #[test]
 fn a_map_tiles_its_box() {

@@ -85,13 +85,21 @@ pub(super) fn viridis(part: f64) -> String {
     format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
 }
 
-/// y = c xᵖ through half the height of the curve's last point, cut off at the lowest value on the chart.
+/// y = c xᵖ between the ends of a curve, with c such that the line is nowhere above half the curve and somewhere there.
+/// It is cut off at the lowest value on the chart, but not within a decade of its top.
 pub(super) fn slope(points: &[(f64, f64)], order: f64, floor: f64) -> Vec<(f64, f64)> {
-    let by_x = |a: &&(f64, f64), b: &&(f64, f64)| a.0.total_cmp(&b.0);
-    let (Some(&(x0, _)), Some(&(x1, y1))) = (points.iter().min_by(by_x), points.iter().max_by(by_x)) else {
-        return Vec::new();
+    let [low, high] = [f64::min, f64::max].map(|pick| points.iter().map(|p| p.0).reduce(pick));
+    let (Some(low), Some(high)) = (low, high) else { return Vec::new() };
+    // Logarithms, since powers may overflow.
+    let c = points.iter().map(|(x, y)| (0.5 * y).ln() - order * x.ln()).fold(f64::MAX, f64::min);
+    let height = |x: f64| c + order * x.ln();
+    let top = height(low).max(height(high));
+    let least = floor.ln().min(top - 10_f64.ln());
+    let cut = ((least - c) / order).exp();
+    let [a, b] = match order {
+        rising if rising > 0.0 => [low.max(cut), high],
+        falling if falling < 0.0 => [low, high.min(cut)],
+        _ => [low, high],
     };
-    let y1 = y1 / 2.0;
-    let start = if order > 0.0 { x0.max(x1 * (floor / y1).powf(1.0 / order)) } else { x0 };
-    vec![(start, y1 * (start / x1).powf(order)), (x1, y1)]
+    [a, b].map(|x| (x, height(x).exp())).to_vec()
 }
