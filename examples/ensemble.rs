@@ -12,11 +12,11 @@
 //! Prints time per step and trajectory, with the bill of it, and energy errors; draws into `out/ensemble`: the section
 //! (`section.svg`) and how long trajectories take to come back to it (`returns.svg`).
 
-use indicatif::ProgressBar;
 use rattle::ensemble::Precision;
 use rattle::plot::Chart;
 use rattle::potentials::Gravity;
 use rattle::prelude::*;
+use rattle::progress::Bar;
 use rattle::surfaces::Lemniscate;
 use std::time::Instant;
 
@@ -53,14 +53,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} instructions, {} threads", ensemble.instruction_set(), rayon::current_num_threads());
     let error = |now: &Sight<'_, 3>| (now.energy() - 0.5 - R).abs();
     let errors = Histogram::of(error, 0.0, 0.01, 100)?;
-    let bar = ProgressBar::new(4000 * ensemble.len() as u64); // sights, if no trajectory fails
+    let bar = Bar::of(4000 * ensemble.len() as u64); // sights, if no trajectory fails
     let observers = || {
         let through = Section::of(|now: &Sight<'_, 3>| now.position().y);
-        let progress = Progress::of(100_000, |sights| bar.inc(sights));
-        ((through, progress), (Mean::of(error), errors.clone()))
+        ((through, bar.observer()), (Mean::of(error), errors.clone()))
     };
     let ((section, _), (errors, histogram)) = ensemble.observe(4000, 1, observers);
-    bar.finish_and_clear();
+    drop(bar);
     println!("{} crossings; energy error {:.1e} on average", section.crossings().len(), errors.mean());
     println!("{} of {} sights with more than 0.01", histogram.outside(), errors.number());
     for (trajectory, error) in ensemble.failures().take(3) {

@@ -140,18 +140,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         |(_, q, _)| (q[(0, 2)], q[(1, 2)]),
     )
     .save("out/rigid_body/top.svg")?;
-    // Boxes with these moments of inertia; the top stands on its tip.
+    // Boxes with these moments of inertia: squares of the sides a, b, c are as I₂ + I₃ − I₁, …
     let times: Vec<f64> = free[2].1.path.iter().map(|(t, _, _)| *t).collect();
     let turns = |runs: &[(&str, Run); 3]| runs[2].1.path.iter().map(|(_, q, _)| *q).collect::<Vec<_>>();
     let middle = |runs: &[(&str, Run); 3]| runs[2].1.path.iter().map(|(_, _, m)| m.y).collect::<Vec<_>>();
     let tumbling = Scene3::new("free body")
         .times(&times)
-        .turning_box([1.0, 0.77, 0.45], &[[0.0; 3]], &turns(&free))
+        .turning_box([1.2, 0.8, 0.4].map(f64::sqrt), &[[0.0; 3]], &turns(&free))
         .chart("Angular momentum about the middle axis (green)", [("", middle(&free))]);
-    let centres: Vec<[f64; 3]> = turns(&top).iter().map(|q| (0.5 * q.column(2)).into()).collect();
+    // … and those of the top are about its tip: a plate of sides a, a, c on a stick of length l, l² = a²/3 − c²/12.
+    let [a, c] = [0.9, 0.15_f64];
+    let l = (a * a / 3.0 - c * c / 12.0).sqrt();
+    let centres: Vec<[f64; 3]> = turns(&top).iter().map(|q| (l * q.column(2)).into()).collect();
     let leaning = Scene3::new("heavy top")
-        .times(&times)
-        .turning_box([0.5, 0.5, 1.0], &centres, &turns(&top))
+        .bodies(&times, &[&centres])
+        .rods([(0, [0.0; 3])])
+        .turning_box([a, a, c], &centres, &turns(&top))
         .wall([-1.0, -1.0, 0.0], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]]);
     Page::new("Rigid bodies").scene(tumbling).scene(leaning).write("out/rigid_body/index.html")?;
     println!("\n{}", top[2].1.bill);

@@ -258,7 +258,8 @@ constraint! {
     }
 }
 constraint! {
-    /// Kummer's quartic: sixteen nodes.
+    /// Kummer's quartic: for μ² > 1 it has sixteen real nodes, at μ² = 1 it is Steiner's Roman surface, and for μ² < 1
+    /// four of its nodes are real. At μ² = 3, where it would be four planes, the formula has no value.
     ///
     #[doc = include_str!("surfaces/kummer.html")]
     pub struct Kummer { mu }

@@ -2,10 +2,12 @@
 
 #![cfg_attr(not(long), allow(dead_code, unused_imports))] // what tests of `cargo long` use
 
-#[path = "../checkpoints.rs"]
-mod checkpoints;
+#[path = "../bars.rs"]
+mod bars;
 #[path = "../checkpoint_links.rs"]
 mod checkpoint_links;
+#[path = "../checkpoints.rs"]
+mod checkpoints;
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../data.rs"]
