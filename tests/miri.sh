@@ -6,8 +6,8 @@
 #
 # `is_x86_feature_detected!` says under Miri what the program was compiled for, so that each branch is taken once. Miri stops where code
 # is called that was compiled for instructions that are not there, which is what is unsafe about these calls; there are no pointers. That
-# a processor has what `cpuid` says, and that machine code of wide instructions is right, Miri cannot see: `tests/vectorised.rs` and the
-# laws of `tests/lanes.rs`, which compare sets with each other, look at that.
+# a processor has what `cpuid` says, and that machine code of wide instructions is right, Miri cannot see: `vectorised/tests/vectorised.rs`
+# and the laws of the program `lanes` (`tests/programs/lanes.rs`), which compare sets with each other, look at that.
 set -e
 cd "$(dirname "$0")/.."
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-target}/miri"

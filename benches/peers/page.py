@@ -17,8 +17,8 @@ CELLS = {"right": "right", "wrong": "**wrong**", "goes on": "goes on", "error": 
 INTRODUCTION = """\
 # Hard cases elsewhere
 
-The same hard cases, put to other tools and judged by what is true of the motion: the distance from the sheet that it
-started on, its energy, and its exact path where there is one. The runs are of {dates}, by
+{number} hard cases, of the kinds of [those of this library](hard-cases.md), put to other tools and judged by what is true of
+the motion: the distance from the sheet that it started on, its energy, and its exact path where there is one. The runs are of {dates}, by
 
 ```sh
 {command}
@@ -46,7 +46,7 @@ def write(results):
     used = [t for t in tools.TOOLS if any(r["tool"] == t for r in rows)]
     versions = ", ".join(f"{name} {version}" for name, version in about["versions"].items())
     dates = " and ".join(sorted({row["date"] for row in rows}))
-    out = [INTRODUCTION.format(**{**about, "versions": versions, "dates": dates})]
+    out = [INTRODUCTION.format(**{**about, "versions": versions, "dates": dates, "number": len(cases.CASES)})]
     out.append("| case | " + " | ".join(tools.TOOLS[t][0] for t in used) + " |")
     out.append("|---|" + "---|" * len(used))
     for case in cases.CASES:

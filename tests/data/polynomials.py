@@ -1,4 +1,4 @@
-"""Polynomials of rattle-core/src/lanes/functions, by the exchange algorithm of Remez in mpmath 1.3 at 60 digits.
+"""Polynomials of rattle-core/src/number/functions, by the exchange algorithm of Remez in mpmath 1.3 at 60 digits.
 
 Prints for each the largest error that it leaves in the result, relative or in units of the result's size, as a power of 2, and
 the coefficients rounded to doubles, lowest first.

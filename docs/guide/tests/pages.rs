@@ -27,8 +27,20 @@ fn files(ending: &str) -> Vec<PathBuf> {
     }
     let mut found = Vec::new();
     collect(&root(), ending, &mut found);
-    assert!(found.len() > 5, "{ending}: only {} files", found.len());
+    assert!(found.len() > 4, "{ending}: only {} files", found.len());
     found
+}
+
+/// What is relative to the project's folder, with slashes.
+fn within_project(path: &Path) -> String {
+    path.strip_prefix(root()).unwrap().to_string_lossy().replace('\\', "/")
+}
+
+/// The names in a folder of files that end so, and of folders, without the ending.
+fn names(folder: &str, ending: &str) -> Vec<String> {
+    let entries = fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap().path());
+    let wanted = entries.filter(|path| path.is_dir() || path.to_string_lossy().ends_with(ending));
+    wanted.map(|path| path.file_stem().unwrap().to_string_lossy().into_owned()).collect()
 }
 
 /// The text outside of blocks of code.
@@ -110,11 +122,6 @@ fn every_page_is_in_the_book_and_its_programs_are_tests() {
 #[test]
 fn the_gallery_has_every_surface_and_example() {
     let page = fs::read_to_string(root().join("docs/guide/gallery.md")).unwrap();
-    let names = |folder: &str, ending: &str| -> Vec<String> {
-        let entries = fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap().path());
-        let wanted = entries.filter(|path| path.is_dir() || path.to_string_lossy().ends_with(ending));
-        wanted.map(|path| path.file_stem().unwrap().to_string_lossy().into_owned()).collect()
-    };
     let (surfaces, examples) = (names("src/surfaces", ".html"), names("examples", ".rs"));
     assert!(surfaces.len() >= 40 && examples.len() > 20);
     for name in surfaces {
@@ -123,6 +130,114 @@ fn the_gallery_has_every_surface_and_example() {
     for name in examples {
         assert!(page.contains(&format!("| `{name}` |")), "{name}: cargo run --release --example gallery");
     }
+}
+
+#[test]
+fn every_example_benchmark_and_ignored_test_has_its_command() {
+    let page = fs::read_to_string(root().join("docs/guide/examples.md")).unwrap();
+    let (examples, flow) = (names("examples", ".rs"), names("rattle-flow/examples", ".rs"));
+    assert!(examples.len() > 25 && flow.len() > 1, "{examples:?} {flow:?}");
+    let mut missing = Vec::new();
+    for name in examples.iter().chain(&flow) {
+        if !page.contains(&format!("--example {name}`")) && !page.contains(&format!("--example {name} ")) {
+            missing.push(format!("--example {name}"));
+        }
+    }
+    for name in names("benches", ".rs").iter().filter(|name| !["common", "peers"].contains(&name.as_str())) {
+        if !page.contains(&format!("--bench {name}")) {
+            missing.push(format!("--bench {name}"));
+        }
+    }
+    let mut ignored = 0;
+    for file in files(".rs") {
+        let mut lines = fs::read_to_string(&file).unwrap();
+        lines.retain(|c| c != ' ');
+        if !lines.contains("\n#[ignore=") || file.ends_with("killed.rs") {
+            continue; // that of `killed` is started by another, which has its row
+        }
+        ignored += 1;
+        let folder = file.parent().unwrap().file_stem().unwrap().to_string_lossy().into_owned();
+        let name = file.file_stem().unwrap().to_string_lossy().into_owned();
+        let name = if name == "main" { folder } else { name };
+        let commands = [format!(" {name}::"), format!("`{name}::"), format!("--test {name} ")];
+        if !commands.iter().any(|command| page.contains(command)) {
+            missing.push(format!("the ignored test of {}", within_project(&file)));
+        }
+    }
+    assert!(ignored > 15, "only {ignored} files with ignored tests");
+    assert!(missing.is_empty(), "docs/guide/examples.md has no row of:\n{}", missing.join("\n"));
+}
+
+/// The variants of the enumerations of a file.
+fn variants(file: &Path) -> Vec<String> {
+    let text = fs::read_to_string(file).unwrap();
+    let mut inside = false;
+    let mut found = Vec::new();
+    for line in text.lines() {
+        inside = (inside || line.starts_with("pub enum ")) && line != "}";
+        let Some(name) =
+            line.strip_prefix("    ").filter(|line| inside && line.starts_with(char::is_uppercase))
+        else {
+            continue;
+        };
+        found.push(name.split(|c: char| !c.is_alphanumeric()).next().unwrap().to_string());
+    }
+    found
+}
+
+#[test]
+fn every_failure_of_a_step_has_its_row() {
+    let page = fs::read_to_string(root().join("docs/guide/failures.md")).unwrap();
+    // These hold another failure, which has its row.
+    let wrappers = ["Surface", "Linked", "Rigid", "Phase", "Method", "Effect"];
+    let folder = root().join("rattle-core/src/error/step");
+    let mut failures: Vec<String> =
+        fs::read_dir(folder).unwrap().flat_map(|entry| variants(&entry.unwrap().path())).collect();
+    failures.retain(|name| !wrappers.contains(&name.as_str()));
+    assert!(failures.len() > 35, "only {}", failures.len());
+    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
+    failures.retain(|name| !rows.iter().any(|row| row.contains(&format!("`{name}`"))));
+    assert!(failures.is_empty(), "docs/guide/failures.md has no row of {}", failures.join(", "));
+}
+
+/// The words of a line that are paths: files of Rust, Python and the shell, and what lies in a folder `src`.
+fn paths_in(line: &str) -> Vec<&str> {
+    let part = |c: char| c.is_ascii_alphanumeric() || "._-/".contains(c);
+    let words = line.split(|c: char| !part(c)).map(|word| word.trim_matches(['.', '/']));
+    let is_path = |word: &&str| {
+        let ends = [".rs", ".py", ".sh"].iter().any(|ending| word.ends_with(ending));
+        let crates = ["rattle-core/src/", "rattle-symbolic/src/", "rattle-flow/src/", "rattle-macros/src/"];
+        word.contains('/') && (ends || crates.iter().any(|folder| word.starts_with(folder)))
+    };
+    words.filter(is_path).collect()
+}
+
+#[test]
+fn paths_in_comments_and_pages_are_there() {
+    // The file of a method that somebody may write, and one that is written while mutants are looked for.
+    let exceptions = ["methods/name.rs", "rattle-core/src/mutant.rs"];
+    let endings = [".rs", ".py", ".sh", ".md"];
+    let all: Vec<PathBuf> = endings.iter().flat_map(|ending| files(ending)).collect();
+    let known: Vec<String> = all.iter().map(|path| format!("/{}", within_project(path))).collect();
+    let (mut followed, mut gone) = (0, Vec::new());
+    for file in &all {
+        for (number, line) in fs::read_to_string(file).unwrap().lines().enumerate() {
+            let comment = line.trim_start().starts_with(['/', '#', '"', '*', '|']);
+            if !comment && !file.to_string_lossy().ends_with(".md") {
+                continue;
+            }
+            for path in paths_in(line) {
+                followed += 1;
+                let there = [root(), file.parent().unwrap().into()].iter().any(|at| at.join(path).exists())
+                    || known.iter().any(|known| known.ends_with(&format!("/{path}")));
+                if !there && !exceptions.contains(&path) {
+                    gone.push(format!("{}:{}: {path}", within_project(file), number + 1));
+                }
+            }
+        }
+    }
+    assert!(followed > 150, "only {followed} paths were found");
+    assert!(gone.is_empty(), "nothing is there:\n{}", gone.join("\n"));
 }
 
 #[test]

@@ -53,6 +53,19 @@ impl<const D: usize> LinearDrag<D> {
     }
 
     /// A coefficient for each coordinate.
+    ///
+    /// ```
+    /// use rattle::effect::LinearDrag;
+    /// use rattle::prelude::*;
+    ///
+    /// let scene = Scene::point().with(LinearDrag::along([1.0, 0.0])); // no drag along y
+    /// let start = State::at([0.0, 0.0]).moving([1.0, 1.0]);
+    /// let mut simulation = scene.simulate(start, Rattle::new(0.1))?;
+    /// simulation.run(10)?;
+    /// let v = simulation.velocity();
+    /// assert!((v.x - (-1.0_f64).exp()).abs() < 1e-15 && v.y == 1.0);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
     #[must_use]
     pub fn along(coefficients: [f64; D]) -> Self {
         Self { along: coefficients, of_bodies: Vec::new() }

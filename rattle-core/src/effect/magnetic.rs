@@ -58,6 +58,20 @@ impl MagneticField {
     }
 
     /// The same for bodies of these charges.
+    ///
+    /// ```
+    /// use rattle::effect::MagneticField;
+    /// use rattle::prelude::*;
+    ///
+    /// // An ion, its opposite, and a neutral body, all along x.
+    /// let field = MagneticField::new([0.0, 0.0, 1.0]).charges([1.0, -1.0, 0.0]);
+    /// let start = State::of([[0.0; 3]; 3]).moving([1.0, 0.0, 0.0]);
+    /// let mut simulation = Scene::points(3).with(field).simulate(start, Rattle::new(0.01))?;
+    /// simulation.run(100)?;
+    /// let [ion, opposite, neutral] = [0, 1, 2].map(|i| simulation.positions().nth(i).unwrap());
+    /// assert!(ion.y < -0.4 && (ion.y + opposite.y).abs() < 1e-15 && neutral.y == 0.0);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
     #[must_use]
     pub fn charges(mut self, charges: impl IntoIterator<Item = f64>) -> Self {
         self.charges = charges.into_iter().collect();

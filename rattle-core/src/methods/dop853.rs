@@ -12,8 +12,8 @@
 //! slope of its potential does not show. Potentials with a reach find their pairs anew for U, which allocates.
 //!
 //! Neither symplectic nor reversible: energy drifts. For comparison and for short runs: with a tolerance it is the
-//! cheapest method down to errors of some 1e-8 on surfaces (`examples/accuracy.rs`). Each step is then divided into
-//! inner steps that keep the tolerance; a step is still a function of the state alone.
+//! cheapest method of one body on many surfaces for errors from some 1e-5 to 1e-8 (the example `accuracy`). Each step
+//! is then divided into inner steps that keep the tolerance; a step is still a function of the state alone.
 //!
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.5 and II.10;
 //! coefficients as published with their program.

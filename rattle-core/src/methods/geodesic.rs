@@ -41,6 +41,18 @@ pub struct KickDriftsKick {
 
 impl Geodesic {
     /// The method with step size `h`, in the unit of time, and `inner` steps of free motion in each step, 1 to 65 536.
+    ///
+    /// ```
+    /// use rattle::prelude::*;
+    /// use rattle::surfaces::Sphere;
+    ///
+    /// // A step of RATTLE may have h·κ·|v| up to 1; here it is 2.
+    /// let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+    /// let mut simulation = Scene::on(Sphere { r: 1.0 }).simulate(start, Geodesic::new(20, 2.0))?;
+    /// simulation.run(10)?;
+    /// assert!(simulation.constraint_residual() < 1e-14);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
     #[must_use]
     pub fn new(inner: u32, h: f64) -> Self {
         Self::of(KickDriftsKick { inner }, h)

@@ -8,9 +8,8 @@
 //! The coefficients come order by order from recurrences written by the macros ([`series`](crate::kernel::series)),
 //! with N²/2 products for each operation. The method has any order, is accurate to rounding if the tolerance asks for
 //! it, and is neither symplectic nor reversible: a reference for tests, and for short runs of high accuracy. With a
-//! tolerance it is the fastest
-//! method on a double pendulum for errors below 1e-8, and faster than DOP853 on surfaces for errors below 1e-10
-//! (`examples/accuracy.rs`).
+//! tolerance it is the fastest method on a double pendulum for errors below 1e-8, and faster than DOP853 on surfaces
+//! for errors below 1e-10 (the example `accuracy`).
 //!
 //! With a tolerance each step is divided so that the last two terms of every inner step stay below it. A step is a
 //! function of the state alone.

@@ -17,7 +17,8 @@
 //! Constructors take their arguments in this order: the parts of the method (coefficients, an order, a number of inner
 //! steps); the step size `h`, or the method that has it; times and tolerances that control the steps:
 //! `Composition::new(coefficients, h)`, `Composition::of(coefficients, base)`, `Geodesic::new(inner, h)`,
-//! `Taylor::adaptive(order, h, tolerance)`, `Variable::of(base, tau)`.
+//! `Taylor::adaptive(order, h, tolerance)`, `Variable::of(base, tau)`. Baths name what they are first and `h` last:
+//! `NoseHoover::new(temperature, time, h)`, `Brownian::new(friction, temperature, seed, h)`.
 
 use crate::effect::noise::halves;
 use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;

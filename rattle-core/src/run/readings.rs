@@ -158,6 +158,17 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     ///
     /// A potential that jumps at an instant does work that is not booked: U has to be continuous in t. Where momenta
     /// are [half a step apart](Self::momentum_time), it is the work from their time at the start to their time now.
+    ///
+    /// ```
+    /// use rattle::effect::LinearDrag;
+    /// use rattle::prelude::*;
+    ///
+    /// let scene = Scene::point().with(LinearDrag::new(1.0)); // v = exp(−t)
+    /// let mut simulation = scene.simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.1))?;
+    /// simulation.run(10)?;
+    /// assert!((simulation.work() - 0.5 * ((-2.0_f64).exp() - 1.0)).abs() < 1e-15);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
     pub fn work(&self) -> f64 {
         self.bodies.work
     }

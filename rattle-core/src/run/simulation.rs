@@ -148,7 +148,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// different solutions of the position equation: the check detects such steps.
     ///
     /// A tolerance of 1e-13 suits most scenes. With [`retry`](Self::retry), a step that fails the check is taken in
-    /// parts, each of them checked. The check doubles the time of a step.
+    /// parts, which are taken back together. The check doubles the time of a step.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};

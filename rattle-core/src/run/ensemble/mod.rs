@@ -25,9 +25,9 @@
 //!   different topologies, or with other bodies pinned;
 //! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the methods of linked bodies except
 //!   Lobatto's, always in double precision; also with flows of momenta, of the same kinds;
-//! * any number of bodies in [phase space](crate::systems::phase), of up to 16 coordinates, under more than four
-//!   equations of fewer (10 under eight), moved by RATTLE or a composition of it, always in double precision with
-//!   compensated sums.
+//! * any number of bodies in [phase space](crate::systems::phase) of up to 16 coordinates under up to four equations;
+//!   more equations allow fewer coordinates (15 under five, 10 under eight); moved by RATTLE or a composition of it,
+//!   always in double precision with compensated sums.
 //!
 //! The first three also by [`Brownian`](crate::methods::brownian::Brownian), without flows.
 //!

@@ -86,7 +86,10 @@ impl<const D: usize> Sight<'_, D> {
     }
 
     /// The velocity q̇ of each body: M⁻¹p; of a rigid body the rate of its attitude, in phase space that of H with its
-    /// multipliers. A call allocates.
+    /// multipliers. Where momenta are [half a step
+    /// apart](crate::run::simulation::Simulation::momentum_time) from positions, it is the velocity at the time of the
+    /// positions; [`Simulation::velocity`](crate::run::simulation::Simulation::velocity) is M⁻¹p of the momenta as they
+    /// are shown. A call allocates.
     #[must_use]
     pub fn velocities(&self) -> Vec<SVector<f64, D>> {
         let [velocities, _] = self.rates();
