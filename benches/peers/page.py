@@ -18,7 +18,8 @@ INTRODUCTION = """\
 # Hard cases elsewhere
 
 {number} hard cases, of the kinds of [those of this library](hard-cases.md), put to other tools and judged by what is true of
-the motion: the distance from the sheet that it started on, its energy, and its exact path where there is one. The runs are of {dates}, by
+the motion: the distance from the sheet that it started on, its energy, and its exact path where there is one. The runs
+are of {dates}, by
 
 ```sh
 {command}
