@@ -29,6 +29,9 @@ fn a_run_does_not_begin_anew_where_its_checkpoint_cannot_be_reached() {
         assert!(is_link(&link), "to {to}");
         fs::remove_file(&link).unwrap();
     }
+    symlink("away", folder.path().join("disk")).unwrap();
+    let away = Saving::to(folder.path().join("disk/run.rattle")).restore(&mut fall()).unwrap_err();
+    assert!(away.to_string().contains("a link that leads nowhere"), "{away}");
     assert!(!Saving::to(&none).restore(&mut fall()).unwrap());
     assert!(!Saving::to(folder.path().join("none/run.rattle")).restore(&mut fall()).unwrap());
     assert_eq!(Saving::to(&none).run_to(&mut fall(), 10).unwrap(), Ended::Done);

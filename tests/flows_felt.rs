@@ -66,6 +66,33 @@ fn ways_of_pulled_bodies_beside_friction() {
     assert!((3.5..4.5).contains(&(long / short)), "{long} {short}");
 }
 
+/// On a slope, where friction has to know the normal force beside drag: in the end a body goes at the share of its
+/// speed without friction that is left of the force.
+#[test]
+fn normal_forces_beside_any_drag() {
+    let (sin, cos) = (0.5, 0.75_f64.sqrt());
+    let slope = Scene::on(Plane { a: sin, b: 0.0, c: cos, d: 0.0 }).with(Gravity { g: 1.0 });
+    let mu = 0.3;
+    fn way<E: Effects<3>>(scene: &Scene<Plane, E, One, 3>) -> f64 {
+        let mut simulation = scene.simulate(State::at([0.0; 3]), Rattle::new(0.1)).unwrap();
+        simulation.run(200).unwrap();
+        let before = simulation.position();
+        simulation.step().unwrap();
+        (simulation.position() - before).norm()
+    }
+    for c in [1.0, 100.0, 300.0, 600.0] {
+        let free = way(&slope.clone().with(LinearDrag::new(c)));
+        let held = way(&slope.clone().with(LinearDrag::new(c)).with(DryFriction { coefficient: mu }));
+        let expected = (sin - mu * cos) / sin;
+        assert!((held / free - expected).abs() < 1e-3 * expected, "c = {c}: {} of {expected}", held / free);
+    }
+    // Farther on nothing is left of a momentum in half a step; bodies count as at rest, and steps do not fail.
+    for c in [1e3, 4e4, 1e6, 1e9] {
+        let held = slope.clone().with(LinearDrag::new(c)).with(DryFriction { coefficient: mu });
+        assert!(way(&held) <= way(&slope.clone().with(LinearDrag::new(c))));
+    }
+}
+
 /// A drag that has no way back from here slows, as without friction.
 #[test]
 fn friction_beside_a_drag_without_a_way_back() {

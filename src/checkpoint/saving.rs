@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use std::{fs, io};
+use std::io;
 
 /// Steps between two looks at the clock and at whether to stop are as many as take about so long, …
 const LOOK: Duration = Duration::from_millis(5);
@@ -69,21 +69,21 @@ impl Saving {
         &self.path
     }
 
-    /// Restores the run from the file if there is one; returns whether there was. Remove a link that leads to no file
-    /// to begin anew.
+    /// Restores the run from the file if there is one; returns whether there was. Remove a link that leads nowhere to
+    /// begin anew.
     ///
     /// # Errors
-    /// As [`Save::restore`]; [`CheckpointError::Io`] for a link that leads to no file.
+    /// As [`Save::restore`]; [`CheckpointError::Io`] for a link that leads nowhere.
     pub fn restore(&self, run: &mut (impl Checkpoint + ?Sized)) -> Result<bool, CheckpointError> {
         let is_none = |error: &io::Error| error.kind() == io::ErrorKind::NotFound;
         match run.restore(&self.path) {
             Ok(()) => Ok(true),
             Err(CheckpointError::Io { source, .. }) if is_none(&source) => {
-                let there = fs::symlink_metadata(&self.path);
-                if there.is_err_and(|error| is_none(&error)) {
+                // The file, or a folder on the way to it.
+                if !self.path.ancestors().any(|path| path.is_symlink() && !path.exists()) {
                     return Ok(false);
                 }
-                let source = io::Error::new(source.kind(), format!("a link that leads to no file: {source}"));
+                let source = io::Error::new(source.kind(), format!("a link that leads nowhere: {source}"));
                 Err(CheckpointError::Io { path: self.path.clone(), source })
             }
             Err(error) => Err(error),

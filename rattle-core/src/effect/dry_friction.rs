@@ -26,7 +26,8 @@ use std::array::from_fn;
 /// both sides, so N has no sign: N = |f·n + κv²|, with the force f and the curvature κ of the path. For linked bodies N
 /// is the size of the force of all links on the body. Where links move, v is what is left without the motion that they
 /// impose: what a lift carries up does not slide; where they are curved too, friction is of first order. Where time
-/// runs back a body at rest is an error, `FlowNotFound`: what it did before is not known.
+/// runs back a body at rest is an error, `FlowNotFound`: what it did before is not known. Beside a drag that leaves
+/// nothing of a momentum in half a step, h c/m above some 60, whatever creeps counts as at rest.
 ///
 /// Nothing presses on a free point, on a body that no link holds, or on a [rigid body](crate::systems::rigid::Rigid),
 /// which turns about its centre: there N = 0, and dry friction does nothing. For these there is

@@ -241,9 +241,9 @@ impl<B: Method> Method for Variable<B> {
             moved.evaluate_forces(bodies);
         }
         if scale <= 0.0 {
-            let begun = self.begun(system, bodies, Some(scale));
-            if begun[2].to_f64() < scale || scale == 0.0 {
-                memory.copy_from_slice(&begun);
+            let (change, size) = bodies.with_room(1, |bodies, _, rates| self.change(system, bodies, rates));
+            if scale == 0.0 || REST * (size + change) > -scale {
+                memory.copy_from_slice(&self.begun(system, bodies, Some(scale)));
                 memory[0] = T::from_f64(h);
                 return Ok(());
             }

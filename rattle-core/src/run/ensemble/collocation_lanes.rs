@@ -115,7 +115,9 @@ where
         let mut bodies = system.bodies(&[bodies[0].map(S::from_f64)], 0.0);
         for _ in 0..number {
             let start = apart(&system, table, *h, parts, &mut bodies, &mut [])?;
-            system.check_sheets(*h, &start, &mut bodies)?;
+            if parts == 1 {
+                system.check_sheets(*h, &start, &mut bodies)?;
+            }
             if let Some(tolerance) = checked {
                 let (end, back) = (bodies.saved(), -h / f64::from(parts));
                 system.put_back(&mut bodies, &end); // the way back begins anew
@@ -179,6 +181,10 @@ where
     let mut step = |_| {
         let before = bodies.saved();
         Collocation::collocate(system, table, part, bodies, memory, &mut ())?;
+        if parts > 1 {
+            system.check_kinks(&before, bodies)?;
+            system.check_sheets(part, &before, bodies)?;
+        }
         check_energy(part, system, &before, bodies)
     };
     if let Err(failure) = (0..parts).try_for_each(&mut step) {

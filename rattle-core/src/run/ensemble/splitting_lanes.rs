@@ -386,6 +386,7 @@ impl<'a, Y> InParts<'a, Y> {
     {
         let Self { system, stages, parts, around, whole, .. } = *self;
         for part in 0..parts {
+            let before = (parts > 1).then(|| bodies.saved());
             if !around || part == 0 {
                 self.act(0, Some(Half::Before), whole, bodies)?;
             }
@@ -399,6 +400,9 @@ impl<'a, Y> InParts<'a, Y> {
             }
             if !around || part + 1 == parts {
                 self.act(0, Some(Half::After), whole, bodies)?;
+            }
+            if let Some(before) = before {
+                system.check_kinks(&before, bodies)?;
             }
         }
         Ok(())
