@@ -28,8 +28,8 @@ fn friction_slows_beside_any_drag() {
     for c in [1.0_f64, 16.0, 18.0, 20.0, 40.0] {
         let left = (-0.5 * c * h).exp();
         let [first, last] = [
-            speed(&weighs.clone().with(LinearDrag::new(c)).with(ROUGH), (v, h, 1)),
-            speed(&weighs.clone().with(ROUGH).with(LinearDrag::new(c)), (v, h, 1)),
+            speed(&weighs.with(LinearDrag::new(c)).with(ROUGH), (v, h, 1)),
+            speed(&weighs.with(ROUGH).with(LinearDrag::new(c)), (v, h, 1)),
         ];
         let expected = [(v * left - h) * left, (v - 0.5 * h) * left * left - 0.5 * h];
         assert!((first - expected[0]).abs() < 1e-13, "drag first, c = {c}: {first} of {}", expected[0]);
@@ -38,8 +38,8 @@ fn friction_slows_beside_any_drag() {
     // Nothing is left in much less than a step, and nothing turns round.
     for c in [100.0, 1e3, 1e5] {
         let [first, last] = [
-            speed(&weighs.clone().with(LinearDrag::new(c)).with(ROUGH), (v, h, 10)),
-            speed(&weighs.clone().with(ROUGH).with(LinearDrag::new(c)), (v, h, 10)),
+            speed(&weighs.with(LinearDrag::new(c)).with(ROUGH), (v, h, 10)),
+            speed(&weighs.with(ROUGH).with(LinearDrag::new(c)), (v, h, 10)),
         ];
         assert_eq!([first, last], [0.0; 2], "c = {c}");
     }
@@ -59,10 +59,10 @@ fn ways_of_pulled_bodies_beside_friction() {
     }
     let drag = || LinearDrag::new(1.0);
     for h in [0.5, 1.0, 2.0, 4.0] {
-        let (times, x) = (way(&pulled.clone().with(drag()).with(ROUGH), h), 0.5 * h);
+        let (times, x) = (way(&pulled.with(drag()).with(ROUGH), h), 0.5 * h);
         assert!((times * x.tanh() / x - 1.0).abs() < 0.01, "h = {h}: {times} of {}", x / x.tanh());
     }
-    let [long, short] = [0.2, 0.1].map(|h| way(&pulled.clone().with(ROUGH).with(drag()), h) - 1.0);
+    let [long, short] = [0.2, 0.1].map(|h| way(&pulled.with(ROUGH).with(drag()), h) - 1.0);
     assert!((3.5..4.5).contains(&(long / short)), "{long} {short}");
 }
 
@@ -81,15 +81,15 @@ fn normal_forces_beside_any_drag() {
         (simulation.position() - before).norm()
     }
     for c in [1.0, 100.0, 300.0, 600.0] {
-        let free = way(&slope.clone().with(LinearDrag::new(c)));
-        let held = way(&slope.clone().with(LinearDrag::new(c)).with(DryFriction { coefficient: mu }));
+        let free = way(&slope.with(LinearDrag::new(c)));
+        let held = way(&slope.with(LinearDrag::new(c)).with(DryFriction { coefficient: mu }));
         let expected = (sin - mu * cos) / sin;
         assert!((held / free - expected).abs() < 1e-3 * expected, "c = {c}: {} of {expected}", held / free);
     }
     // Farther on nothing is left of a momentum in half a step; bodies count as at rest, and steps do not fail.
     for c in [1e3, 4e4, 1e6, 1e9] {
-        let held = slope.clone().with(LinearDrag::new(c)).with(DryFriction { coefficient: mu });
-        assert!(way(&held) <= way(&slope.clone().with(LinearDrag::new(c))));
+        let held = slope.with(LinearDrag::new(c)).with(DryFriction { coefficient: mu });
+        assert!(way(&held) <= way(&slope.with(LinearDrag::new(c))));
     }
 }
 
@@ -99,7 +99,7 @@ fn friction_beside_a_drag_without_a_way_back() {
     let scene = Scene::on(FLOOR).with(Gravity { g: 9.81 });
     let drag = QuadraticDrag { coefficient: 1.0 };
     let (v, h, mu) = (100.0, 0.1, 0.1);
-    let both = speed(&scene.clone().with(drag).with(DryFriction { coefficient: mu }), (v, h, 1));
+    let both = speed(&scene.with(drag).with(DryFriction { coefficient: mu }), (v, h, 1));
     let slowed = |v: f64| v / (1.0 + 0.5 * h * v);
     assert!((both - slowed(slowed(v) - h * mu * 9.81)).abs() < 1e-12, "{both}");
 }

@@ -162,6 +162,7 @@ constraint! {
 }
 
 /// A box after which the surface does not repeat itself is refused, and told.
+#[allow(clippy::approx_constant, reason = "periods that are nearly those of the surface")]
 #[test]
 fn boxes_have_the_periods_of_their_surfaces() {
     let soft = || Soft { strength: 3.0 }.within(1.0).shifted();

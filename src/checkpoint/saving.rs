@@ -5,11 +5,11 @@ use super::file::{encode, make_way, read};
 use super::save::Save;
 use crate::Error;
 use rattle_core::run::checkpoint::Checkpoint;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use std::io;
 
 /// Steps between two looks at the clock and at whether to stop are as many as take about so long, …
 const LOOK: Duration = Duration::from_millis(5);
