@@ -4,6 +4,7 @@
 use crate::common::PlanarGravity;
 use rattle::bodies::Many;
 use rattle::effect::list::Effects;
+use rattle::error::{Error, StartFailure};
 use rattle::links::planar::Rod;
 use rattle::nalgebra::SVector;
 use rattle::network::Network;
@@ -238,12 +239,6 @@ fn stages_take_no_more_equations_than_the_start() {
             off.abs() <= 4.0 * off_six.abs() + 1e-13,
             "{method}, {h}: {off:e} where six have {off_six:e}"
         );
-        // Of other equations stages and projections are others, and errors as large.
-        assert!(error <= 4.0 * error_six + 1e-13, "{method}, {h}: {error:e} where six have {error_six:e}");
-        assert!(
-            off.abs() <= 4.0 * off_six.abs() + 1e-12,
-            "{method}, {h}: {off:e} where six have {off_six:e}"
-        );
     };
     for steps in [5, 7, 10, 14, 20, 50, 100, 1000] {
         let h = 1.0 / steps as f64;
@@ -256,6 +251,85 @@ fn stages_take_no_more_equations_than_the_start() {
         check("Bdf2", h, frames(steps, Bdf2::new(h)));
         check("Lobatto", h, frames(steps, Lobatto::<4>::new(h)));
     }
+}
+
+/// A start that is off by more than where a mechanism branches has the freedom of where all hold.
+#[test]
+fn starts_that_are_far_off_move() {
+    let (first, exact) = ([5e5, 5e6], turning([5e5, 5e6], exactly));
+    let speeds = [0.0, 4e-6, 4e-5, 4e-4].map(|off| {
+        let mut places: Vec<_> = exact.positions().map(|q| [q.x, q.y]).collect();
+        let (sin, cos) = (off - 2.0_f64).sin_cos();
+        places[4] = [pins(first)[1][0] + cos, pins(first)[1][1] + sin];
+        let (scene, mut start) = (linkage(first), State::of(places));
+        assert_eq!(scene.simulate(start.clone(), Rattle::new(0.01)).unwrap().freedom(), 1, "{off:e}");
+        if off > 1e-4 {
+            start = scene.project(&start).unwrap(); // a step does not get from there onto the constraints
+        }
+        let mut simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
+        simulation.run(20).unwrap();
+        assert_eq!(simulation.freedom(), 1, "{off:e}");
+        simulation.momenta().map(|p| p.norm()).fold(0.0, f64::max)
+    });
+    assert!(speeds.iter().all(|speed| (speed - speeds[0]).abs() < 1e-3 && *speed > 0.5), "{speeds:?}");
+}
+
+/// Rounding turns short cranks far away by as much.
+#[test]
+fn short_cranks_move_far_away() {
+    let (length, first) = (1e-3, [5e5, 5e6]);
+    // From none of these they come to where they are along the bar, and branch.
+    for angle in (0..20).map(|i| 0.35 + 0.09 * f64::from(i)) {
+        let (sin, cos) = f64::sin_cos(0.3);
+        let pins = [0.0, 1.0, 2.0].map(|i| [first[0] + i * length * cos, first[1] + i * length * sin]);
+        let (sin, cos) = angle.sin_cos();
+        let ends = pins.map(|[x, y]| [x + length * cos, y + length * sin]);
+        let scene = Scene::points(6)
+            .link(Rod { length }, [[0, 3], [1, 4], [2, 5]])
+            .link(Rod { length: 2.0 * length }, [[3, 5]])
+            .link(Halfway {}, [[3, 5, 4]]);
+        let scene = pins.into_iter().enumerate().fold(scene, |scene, (i, pin)| scene.pin(i, pin));
+        let (speed, still) = (1e-3, [[0.0; 2]; 3]);
+        let start = State::of(pins.into_iter().chain(ends))
+            .with_momenta(still.into_iter().chain([[-sin * speed, cos * speed]; 3]));
+        let start = scene.project(&start).unwrap();
+        let mut simulation = scene.simulate(start, Rattle::new(1e-3)).unwrap();
+        assert_eq!(simulation.freedom(), 1, "{angle}");
+        simulation.run(1000).unwrap();
+        assert_eq!(simulation.freedom(), 1, "{angle}");
+        let moves = simulation.momenta().map(|p| p.norm()).fold(0.0, f64::max);
+        assert!((moves / speed - 1.0).abs() < 1e-2, "{angle}: {moves:e}");
+    }
+}
+
+/// A short rod, whose normal is known to few digits, leaves momenta of other links checked as well.
+#[test]
+fn short_rods_leave_other_momenta_checked() {
+    let scene = Scene::points(3)
+        .link(Rod { length: 1.0 }, [[0, 1]])
+        .link(Rod { length: 1e-9 }, [[1, 2]])
+        .pin(0, [0.0, 0.0]);
+    let at = |v: f64| {
+        let start = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1e-9]]);
+        scene.simulate(start.with_momenta([[0.0, 0.0], [v, 1.0], [v, 1.0]]), Rattle::new(1e-12))
+    };
+    let error = at(0.0).err();
+    assert!(error.is_none(), "{error:?}");
+    let error = at(1e-6).err().expect("a velocity that is off by 1e-6");
+    assert!(matches!(error, Error::Start { cause: StartFailure::NotAlong { .. }, .. }), "{error}");
+}
+
+/// What rounding does to a normal is found once for each, however many are turned by more than is tolerated.
+#[test]
+fn long_chains_far_away_are_checked() {
+    let (n, length) = (3000, 1e-3);
+    let scene = Scene::points(n + 1).link(Rod { length }, (0..n).map(|i| [i, i + 1]).collect::<Vec<_>>());
+    let places = (0..=n).map(|i| [0.8, 0.6].map(|part| 5e3 + part * length * i as f64));
+    // It turns about its first end.
+    let momenta = (0..=n).map(|i| [-0.6 * length * i as f64, 0.8 * length * i as f64]);
+    let start = State::of(places.collect::<Vec<_>>()).with_momenta(momenta.collect::<Vec<_>>());
+    scene.simulate(start.clone(), Rattle::new(1e-6)).unwrap();
+    scene.project(&start).unwrap();
 }
 
 /// Near the origin terms of g are as large as what is pinned.

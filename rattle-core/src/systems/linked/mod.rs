@@ -10,6 +10,7 @@ mod few;
 mod flight;
 mod hold;
 mod in_rows;
+mod independence;
 pub(crate) mod kept;
 mod moving;
 mod pull;

@@ -6,10 +6,11 @@ use crate::motion::bodies::Body;
 use crate::motion::start::{DIRECTION, MAX_HALVINGS, MAX_PROJECTION_STEPS, RUNS_AWAY, START_TOLERANCE};
 use crate::motion::start::{allowed, finite, has_square, length_of};
 use crate::motion::state::State;
-use crate::number::vector::{add_scaled, dot, largest, scaled};
+use crate::number::vector::{add_scaled, dot, largest};
 use crate::solve::aim::ROUNDINGS;
 use crate::solve::nearing::Nearing;
 use crate::systems::linked::flight::LOST;
+use crate::systems::linked::independence::{Known, count_independent};
 use crate::systems::linked::pull::Rounds;
 use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::dependence::dependence;
@@ -33,13 +34,16 @@ fn places<const D: usize>(shape: &Shape<D>, state: &State<D>) -> Vec<[f64; D]> {
 }
 
 /// Everything evaluated at the start for one component.
-struct Start<const D: usize> {
-    q: Vec<[f64; D]>,
+pub(super) struct Start<const D: usize> {
+    pub(super) q: Vec<[f64; D]>,
     v: Vec<[f64; D]>,
     lift: Vec<[f64; D]>,
-    g: Vec<f64>,
-    blocks: Vec<[f64; D]>,
+    pub(super) g: Vec<f64>,
+    pub(super) blocks: Vec<[f64; D]>,
     rates: Vec<f64>,
+    pub(super) known: Known,
+    /// Room for a way of some bodies: 0 for all others.
+    pub(super) part: Vec<[f64; D]>,
 }
 
 impl<const D: usize> Start<D> {
@@ -53,6 +57,8 @@ impl<const D: usize> Start<D> {
             g: vec![0.0; rows],
             blocks: vec![[0.0; D]; blocks],
             rates: vec![0.0; rows],
+            known: Known::default(),
+            part: vec![[0.0; D]; state.bodies.len()],
         }
     }
 
@@ -70,33 +76,29 @@ impl<const D: usize> Start<D> {
         ROUNDINGS * f64::EPSILON * sizes.fold(0.0, f64::max)
     }
 
+    fn rounding_of_places(&mut self, shape: &Shape<D>, c: usize) -> f64 {
+        let found = self.known.places.unwrap_or_else(|| self.rounding_of_all(shape, c, &self.q));
+        *self.known.places.insert(found)
+    }
+
+    fn rounding_of_speeds(&mut self, shape: &Shape<D>, c: usize) -> f64 {
+        let found = self.known.speeds.unwrap_or_else(|| self.rounding_of_all(shape, c, &self.v));
+        *self.known.speeds.insert(found)
+    }
+
     /// |∇²g w| of an equation.
-    fn bent(&self, shape: &Shape<D>, (c, row): (usize, usize), time: f64, way: &[[f64; D]]) -> f64 {
+    pub(super) fn bent(
+        &self,
+        shape: &Shape<D>,
+        (c, row): (usize, usize),
+        time: f64,
+        way: &[[f64; D]],
+    ) -> f64 {
         let (group, member, equation) = shape.components[c].rows.find(&shape.groups, row);
         let links = &shape.groups[group];
         let (mut bends, mut turns) = (vec![0.0; links.equations()], vec![0.0; links.equations()]);
         links.bends(member..member + 1, (time, &self.q), (0.0, way), &mut bends, &mut turns);
         turns[equation].sqrt()
-    }
-
-    /// By how much this way and some roundings of places may turn a normal of a component, the most of all.
-    fn turned(&self, shape: &Shape<D>, c: usize, time: f64, way: &[[f64; D]]) -> f64 {
-        let (rows, mut part) = (&shape.components[c].rows, vec![[0.0; D]; self.q.len()]);
-        let turned = |row| {
-            // Over |∇g| at once, so that there are squares however g is scaled.
-            let (bodies, over) =
-                (|| rows.touched_by(row).map(|(_, body)| body), 1.0 / self.length(shape, c, row));
-            bodies().for_each(|body| part[body] = scaled(over, &way[body]));
-            let mut turned = self.bent(shape, (c, row), time, &part);
-            bodies().for_each(|body| part[body] = [0.0; D]);
-            for (body, i) in bodies().flat_map(|body| (0..D).map(move |i| (body, i))) {
-                part[body][i] = over * (f64::EPSILON * self.q[body][i]);
-                turned += self.bent(shape, (c, row), time, &part);
-                part[body][i] = 0.0;
-            }
-            turned
-        };
-        ROUNDINGS * (0..rows.equations()).map(turned).fold(0.0, f64::max)
     }
 
     fn evaluate(&mut self, shape: &Shape<D>, c: usize, time: f64) {
@@ -126,7 +128,7 @@ impl<const D: usize> Start<D> {
     }
 
     /// |∇gᵢ| of the coordinates that can move.
-    fn length(&self, shape: &Shape<D>, c: usize, row: usize) -> f64 {
+    pub(super) fn length(&self, shape: &Shape<D>, c: usize, row: usize) -> f64 {
         let blocks = shape.components[c].rows.blocks_of(row);
         length_of(blocks.flat_map(|(block, _)| &self.blocks[block]))
     }
@@ -191,11 +193,19 @@ pub(crate) fn check<const D: usize>(
     let mut start = Start::of(shape, state);
     for c in 0..shape.components.len() {
         start.evaluate(shape, c, state.time);
+        start.known = Known::default();
+        let mut doubtful = None;
         for row in 0..shape.components[c].rows.equations() {
-            check_row(shape, c, row, &mut start, state, h, tangent)
-                .map_err(|cause| at(shape, c, row, cause))?;
+            let looked = check_row(shape, c, row, &mut start, state, h, tangent);
+            let doubt = looked.map_err(|cause| at(shape, c, row, cause))?;
+            doubtful = doubtful.or(doubt.map(|cause| at(shape, c, row, cause)));
         }
         check_normals(shape, c, algebra, &mut start, state.time)?;
+        let Component { solver, rows, .. } = &shape.components[c];
+        // The normal of one that follows from others is turned where theirs are.
+        if let Some(error) = doubtful.filter(|_| solver.rank(rows) == rows.equations()) {
+            return Err(error);
+        }
     }
     Ok(())
 }
@@ -228,6 +238,8 @@ fn check_bodies<const D: usize>(shape: &Shape<D>, bodies: &[Body<f64, D>]) -> Re
     Ok(())
 }
 
+/// Whether an equation holds, and momenta are along it. Returns what is wrong if the equation does not follow from
+/// others.
 fn check_row<const D: usize>(
     shape: &Shape<D>,
     c: usize,
@@ -236,7 +248,7 @@ fn check_row<const D: usize>(
     state: &State<D>,
     h: f64,
     tangent: bool,
-) -> Result<(), StartFailure> {
+) -> Result<Option<StartFailure>, StartFailure> {
     let rows = &shape.components[c].rows;
     let (value, length) = (start.g[row], start.length(shape, c, row));
     let (mut size, mut speed, mut rate) = (0.0_f64, 0.0, start.rates[row]);
@@ -285,22 +297,24 @@ fn check_row<const D: usize>(
     let distance = value.abs() / length;
     let tolerance = allowed([size, along], h.abs() * speed, singular);
     if distance > tolerance
-        && distance > start.rounding_of_all(shape, c, &start.q)
+        && distance > start.rounding_of_places(shape, c)
         && !start.is_rounding(shape, (c, row), state.time, [along, singular])
     {
         return Err(StartFailure::OffConstraint { equation: at(), distance, tolerance, value });
     }
     let scale = length * speed + start.rates[row].abs();
-    let off = |start: &Start<D>| {
-        let still = vec![[0.0; D]; start.q.len()];
-        rate.abs() > length * start.rounding_of_all(shape, c, &start.v)
-            && rate.abs() > scale * start.turned(shape, c, state.time, &still)
-    };
-    if tangent && rate.abs() > START_TOLERANCE * scale && off(start) {
-        let (sine, tolerance) = (rate.abs() / scale, START_TOLERANCE);
-        return Err(StartFailure::NotAlong { equation: at(), rate, sine, tolerance });
+    if !tangent || rate.abs() <= START_TOLERANCE * scale {
+        return Ok(None);
     }
-    Ok(())
+    // Far away, or of short links, normals are known to fewer digits.
+    let own = start.turned(shape, (c, row), state.time, None);
+    if rate.abs() <= scale * own || rate.abs() <= length * start.rounding_of_speeds(shape, c) {
+        return Ok(None);
+    }
+    let near = start.turned_near(shape, (c, row), state.time);
+    let (sine, tolerance) = (rate.abs() / scale, START_TOLERANCE);
+    let cause = StartFailure::NotAlong { equation: at(), rate, sine, tolerance };
+    if rate.abs() <= scale * near { Ok(Some(cause)) } else { Err(cause) }
 }
 
 /// Has a component take its normals over, by the linear algebra that bears them, if it may choose one. Returns the sine
@@ -326,33 +340,6 @@ fn bear<const D: usize>(
     } else {
         Err(found) // nor where it is no number
     }
-}
-
-/// Has a component, which has taken its normals over, count those equations alone that are independent of the others
-/// where these hold: their normals are at more than what the place being off and its rounding can turn any by. To be
-/// limited to no fewer before that.
-fn count_independent<const D: usize>(shape: &mut Shape<D>, c: usize, start: &mut Start<D>, time: f64) {
-    let Shape { components, roots, .. } = &mut *shape;
-    let Component { rows, solver, .. } = &mut components[c];
-    let (m, blocks, sines) = (rows.equations(), &start.blocks[..rows.blocks()], solver.sines());
-    let above = |least: f64| sines.iter().take_while(|&&sine| sine > least).count();
-    let clear = above(BRANCHING);
-    if clear == sines.len() {
-        solver.limit(solver.rank(rows));
-        return;
-    }
-    // The way onto those that clearly are.
-    solver.limit(clear);
-    solver.normals(rows, blocks, roots);
-    let off: Vec<f64> = start.g[..m].iter().map(|g| -g).collect();
-    let (mut x, mut way) = (vec![0.0; m], vec![[0.0; D]; start.q.len()]);
-    solver.solve(&off, &mut x);
-    solver.displace(rows, roots, &x, &mut way);
-    let most = above(start.turned(shape, c, time, &way)).max(clear);
-    let Shape { components, roots, .. } = &mut *shape;
-    let Component { rows, solver, .. } = &mut components[c];
-    solver.limit(most);
-    solver.normals(rows, blocks, roots);
 }
 
 fn check_normals<const D: usize>(
@@ -447,6 +434,7 @@ pub(crate) fn project<const D: usize>(
                 p[body] = [0.0; D];
             }
         }
+        start.known = Known::default();
         // Rates that no momenta can give: links that move apart, or rounding of normals that fall together.
         let moves = start.rates[..m].iter().any(|&rate| rate != 0.0);
         let Shape { components, roots, .. } = &*shape;
@@ -460,8 +448,9 @@ pub(crate) fn project<const D: usize>(
                 speed = speed.max(largest(&v));
             }
             let scale = square.sqrt() * speed + start.rates[row].abs();
-            let turned = || start.turned(shape, c, state.time, &vec![[0.0; D]; start.q.len()]);
-            if rate.abs() > START_TOLERANCE * scale && rate.abs() > scale * turned() {
+            if rate.abs() > START_TOLERANCE * scale
+                && rate.abs() > scale * start.turned_near(shape, (c, row), state.time)
+            {
                 let equation = shape.equation_at(c, row);
                 let contradict = StartFailure::RatesContradict { equation, rate };
                 let cause = if moves { contradict } else { dependent(shape, c, row, sine) };
@@ -511,7 +500,7 @@ fn place<const D: usize>(
         }
         let Shape { components, roots, .. } = &mut *shape;
         let component = &mut components[c];
-        component.solver.limit(m);
+        component.solver.limit(m, BRANCHING);
         let blocks = &start.blocks[..component.rows.blocks()];
         let found = match bear(component, algebra, blocks, roots) {
             Ok(found) => found,

@@ -12,7 +12,8 @@
 //! Equations may depend on each other only where all hold. At a place that is off by δ, be it by rounding, such a
 //! normal has a sine of some δ, and what its equation asks for is divided by that. So the number of independent
 //! equations is that of the start, where it is judged by what places are off. More count only where normals are clearly
-//! apart, as after a start from where a mechanism branches; and at stages, which may be far off, none.
+//! apart, by more than the start was off, as after a start from where a mechanism branches; and at stages, which may be
+//! far off, none.
 
 use crate::number::vector::{add_scaled, dot, scaled};
 use crate::systems::network::mass::Root;
@@ -38,8 +39,9 @@ pub(crate) struct Basis<const D: usize> {
     equations: usize,
     bodies: usize,
     pub(crate) rank: usize,
-    /// So many were independent where that was judged: others count by a sine above [`BRANCHING`].
+    /// So many were independent where that was judged: others count by a sine above [`Self::beyond`].
     most: usize,
+    beyond: f64,
     /// Columns of Q, a block for each body.
     q: Vec<[f64; D]>,
     /// R by rows, as wide as there are equations.
@@ -65,6 +67,7 @@ impl<const D: usize> Basis<D> {
             bodies,
             rank: 0,
             most: equations,
+            beyond: BRANCHING,
             q: vec![[0.0; D]; equations * bodies],
             r: square.clone(),
             order: (0..equations).collect(),
@@ -77,9 +80,9 @@ impl<const D: usize> Basis<D> {
         }
     }
 
-    /// Has no more than so many equations count by a sine below [`BRANCHING`].
-    pub(crate) fn limit(&mut self, most: usize) {
-        self.most = most;
+    /// Has no more than so many equations count by a sine below this one.
+    pub(crate) fn limit(&mut self, most: usize, beyond: f64) {
+        (self.most, self.beyond) = (most, beyond);
     }
 
     /// The sine of each equation that counts to those before it.
@@ -90,7 +93,7 @@ impl<const D: usize> Basis<D> {
     /// Takes the normals over. Returns the sine of the angle of the least independent one to the others, and its row.
     pub(crate) fn normals(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> (f64, usize) {
         (0..self.equations).for_each(|i| self.order[i] = i);
-        self.take::<true>(rows, blocks, roots, (self.most, BRANCHING))
+        self.take::<true>(rows, blocks, roots, (self.most, self.beyond))
     }
 
     /// The same at a place that may be far off the constraints: those equations count that did at the place before. As

@@ -152,11 +152,11 @@ impl<const D: usize> Solver<D> {
         }
     }
 
-    /// Has a basis count no more equations than so many, but by normals that are clearly apart.
-    pub(crate) fn limit(&mut self, most: usize) {
+    /// Has a basis count no more equations than so many, but by a sine above this one.
+    pub(crate) fn limit(&mut self, most: usize, beyond: f64) {
         match self {
-            Self::Orthogonal(basis) => basis.limit(most),
-            Self::Few(few) => few.basis.limit(most),
+            Self::Orthogonal(basis) => basis.limit(most, beyond),
+            Self::Few(few) => few.basis.limit(most, beyond),
             Self::Elimination(_) => {}
         }
     }

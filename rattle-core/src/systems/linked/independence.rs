@@ -1,0 +1,103 @@
+//! How many equations are independent at a start, and how well it tells the directions of normals.
+
+use crate::number::vector::scaled;
+use crate::solve::aim::ROUNDINGS;
+use crate::systems::linked::start::Start;
+use crate::systems::network::orthogonal::BRANCHING;
+use crate::systems::network::shape::{Component, Shape};
+
+/// Normals with a larger sine to those before are independent, whatever a start is off.
+const APART: f64 = 0.1;
+
+/// What was found for a component, once for all of its equations.
+#[derive(Debug, Default)]
+pub(super) struct Known {
+    pub(super) places: Option<f64>,
+    pub(super) speeds: Option<f64>,
+    /// For each body that can move by how much the normals there may be turned, the most of all.
+    turned: Option<Vec<f64>>,
+}
+
+impl<const D: usize> Start<D> {
+    /// By how much this way, if there is one, and some roundings of places may turn a normal.
+    pub(super) fn turned(
+        &mut self,
+        shape: &Shape<D>,
+        (c, row): (usize, usize),
+        time: f64,
+        way: Option<&[[f64; D]]>,
+    ) -> f64 {
+        let rows = &shape.components[c].rows;
+        // Over |∇g| at once, so that there are squares however g is scaled.
+        let (bodies, over) =
+            (|| rows.touched_by(row).map(|(_, body)| body), 1.0 / self.length(shape, c, row));
+        let mut part = std::mem::take(&mut self.part);
+        let mut turned = 0.0;
+        if let Some(way) = way {
+            bodies().for_each(|body| part[body] = scaled(over, &way[body]));
+            turned += self.bent(shape, (c, row), time, &part);
+            bodies().for_each(|body| part[body] = [0.0; D]);
+        }
+        for (body, i) in bodies().flat_map(|body| (0..D).map(move |i| (body, i))) {
+            part[body][i] = over * (f64::EPSILON * self.q[body][i]);
+            turned += self.bent(shape, (c, row), time, &part);
+            part[body][i] = 0.0;
+        }
+        self.part = part;
+        ROUNDINGS * turned
+    }
+
+    /// By how much roundings of places may turn the normals of those equations that share a body with this one.
+    pub(super) fn turned_near(&mut self, shape: &Shape<D>, (c, row): (usize, usize), time: f64) -> f64 {
+        let rows = &shape.components[c].rows;
+        let known = self.known.turned.take().unwrap_or_else(|| {
+            let mut most = vec![0.0_f64; rows.bodies.len()];
+            for row in 0..rows.equations() {
+                let turned = self.turned(shape, (c, row), time, None);
+                rows.blocks_of(row).for_each(|(_, body)| most[body] = most[body].max(turned));
+            }
+            most
+        });
+        let near = rows.blocks_of(row).map(|(_, body)| known[body]).fold(0.0, f64::max);
+        self.known.turned = Some(known);
+        near
+    }
+}
+
+/// Has a component, which has taken its normals over, count those equations alone that are independent of the others
+/// where these hold: their normals are at more than what the place being off and its rounding can turn any by. To be
+/// limited to no fewer before that.
+pub(super) fn count_independent<const D: usize>(
+    shape: &mut Shape<D>,
+    c: usize,
+    start: &mut Start<D>,
+    time: f64,
+) {
+    let (m, sines) = (shape.components[c].rows.equations(), shape.components[c].solver.sines());
+    let above = |least: f64| sines.iter().take_while(|&&sine| sine > least).count();
+    let mut counted = above(APART);
+    if sines.is_empty() || counted == m {
+        return;
+    }
+    // How far off a start is shows the way onto those that are clearly apart. Some that are not may be by more than it
+    // may turn normals by, and count for the way as well.
+    let turned = loop {
+        let Shape { components, roots, .. } = &mut *shape;
+        let Component { rows, solver, .. } = &mut components[c];
+        solver.limit(counted, f64::INFINITY);
+        solver.normals(rows, &start.blocks[..rows.blocks()], roots);
+        let off: Vec<f64> = start.g[..m].iter().map(|g| -g).collect();
+        let (mut x, mut way) = (vec![0.0; m], vec![[0.0; D]; start.q.len()]);
+        solver.solve(&off, &mut x);
+        solver.displace(rows, roots, &x, &mut way);
+        let turned = (0..m).map(|row| start.turned(shape, (c, row), time, Some(&way))).fold(0.0, f64::max);
+        if sines.get(counted).is_none_or(|&next| next <= turned) {
+            break turned;
+        }
+        counted = above(turned.max(APART * sines[counted]));
+    };
+    let Shape { components, roots, .. } = &mut *shape;
+    let Component { rows, solver, .. } = &mut components[c];
+    solver.limit(counted, turned.max(BRANCHING));
+    solver.normals(rows, &start.blocks[..rows.blocks()], roots);
+}
