@@ -80,9 +80,14 @@ pub fn table(name: &str) -> Vec<Row> {
     rows
 }
 
-/// maxᵢ |aᵢ − bᵢ|.
+/// The larger number; NaN where one is, which `f64::max` leaves out.
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b <= a { a } else { b }
+}
+
+/// maxᵢ |aᵢ − bᵢ|; NaN where a number is.
 pub fn distance<const D: usize>(a: impl Into<[f64; D]>, b: impl Into<[f64; D]>) -> f64 {
-    a.into().iter().zip(b.into()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    a.into().iter().zip(b.into()).map(|(a, b)| (a - b).abs()).fold(0.0, larger)
 }
 
 /// Slope of log₂ error under halved steps, by least squares over all of them.

@@ -38,3 +38,5 @@ mod particles;
 mod points;
 #[path = "../sharp_edges.rs"]
 mod sharp_edges;
+#[path = "../thermostat_rates.rs"]
+mod thermostat_rates;
