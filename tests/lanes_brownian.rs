@@ -1,6 +1,6 @@
 //! Brownian motion in lanes: as each trajectory alone but for rounding, with the same random numbers.
 
-use crate::common::{Gravity, Trough};
+use crate::common::{Gravity, Trough, larger};
 use rattle::Error;
 use rattle::effect::Effects;
 use rattle::ensemble::{InstructionSet, NotInLanes};
@@ -46,7 +46,7 @@ fn numbered(i: u64) -> State<3> {
 fn off(a: &State<3>, b: &State<3>) -> f64 {
     assert_eq!((a.time(), a.steps()), (b.time(), b.steps()));
     assert!(a.momenta().chain(b.momenta()).all(|p| p.norm() == 0.0));
-    a.positions().zip(b.positions()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+    a.positions().zip(b.positions()).map(|(a, b)| (a - b).norm()).fold(0.0, larger)
 }
 
 /// In which step what is said, but for other numbers: these agree to rounding.
@@ -78,7 +78,7 @@ fn apart<P: Precision>(precision: P, number: u64, h: f64, steps: u64) -> f64 {
         assert_eq!([simulation.work(), ensemble.work(i as usize)], [0.0; 2]);
         off(&simulation.state(), &ensemble.state(i as usize))
     });
-    alone.fold(0.0, f64::max)
+    alone.fold(0.0, larger)
 }
 
 #[test]

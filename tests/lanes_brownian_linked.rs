@@ -1,5 +1,6 @@
 //! Brownian motion of linked and of rigid bodies in lanes: as each trajectory alone but for rounding.
 
+use crate::common::larger;
 use crate::lanes_brownian::{Ending, Unstable, ends_alike, kept_where_forces_grow, words};
 use crate::lanes_rigid::{Field, start as start_of_top};
 use rattle::Error;
@@ -56,7 +57,7 @@ fn counted<const D: usize>(state: State<D>, i: u64) -> State<D> {
 fn off<const D: usize>(a: &State<D>, b: &State<D>) -> f64 {
     assert_eq!((a.time(), a.steps()), (b.time(), b.steps()));
     assert!(a.momenta().chain(b.momenta()).all(|p| p.norm() == 0.0));
-    a.positions().zip(b.positions()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+    a.positions().zip(b.positions()).map(|(a, b)| (a - b).norm()).fold(0.0, larger)
 }
 
 fn in_lanes<const D: usize>(ensemble: &Ensemble<D>) {
@@ -79,7 +80,7 @@ macro_rules! apart {
             assert_eq!([simulation.work(), ensemble.work(i)], [0.0; 2]);
             off(&simulation.state(), &ensemble.state(i))
         });
-        alone.fold(0.0, f64::max)
+        alone.fold(0.0, larger)
     }};
 }
 
@@ -188,7 +189,7 @@ macro_rules! ends {
 /// How far rods of length 1 between neighbours are off.
 fn rods<const D: usize>(state: &State<D>) -> f64 {
     let places: Vec<_> = state.positions().collect();
-    places.windows(2).map(|two| ((two[1] - two[0]).norm() - 1.0).abs()).fold(0.0, f64::max)
+    places.windows(2).map(|two| ((two[1] - two[0]).norm() - 1.0).abs()).fold(0.0, larger)
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Flows of momenta on rigid bodies in lanes: as each trajectory alone but for rounding, and at the right temperature.
 
+use crate::common::larger;
 use crate::lanes_rigid::{Alike, Field, start, start_of_three};
 use rattle::bodies::Count;
 use rattle::composition::SUZUKI_1990_ORDER_4;
@@ -59,10 +60,10 @@ fn apart<P: Precision, E: Effects<9>, N: Count, S: Method>(
         let (own, state) = (simulation.state(), ensemble.state(i as usize));
         assert_eq!((own.time(), own.steps()), (state.time(), state.steps()));
         let pairs = own.positions().zip(state.positions()).chain(own.momenta().zip(state.momenta()));
-        let off = pairs.map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
-        off.max((simulation.work() - ensemble.work(i as usize)).abs())
+        let off = pairs.map(|(a, b)| (a - b).amax()).fold(0.0, larger);
+        larger(off, (simulation.work() - ensemble.work(i as usize)).abs())
     });
-    alone.fold(0.0, f64::max)
+    alone.fold(0.0, larger)
 }
 
 /// The start of a trajectory with the number that an ensemble gives it.
@@ -142,4 +143,27 @@ fn heat_gives_rigid_bodies_its_temperature() {
     println!("{found:?}");
     let most = 4.0 * (2.0 / f64::from(n)).sqrt() * t;
     assert!(found.iter().all(|found| (found - t).abs() < most), "{found:?}");
+}
+
+/// Steps in parts have flows in parts, and book their work, as in a simulation.
+#[test]
+fn parts_of_steps() {
+    let scene = Scene::rigid(Rigid::new(MOMENTS)).with(HEAT).with(Brake(0.3)).with(LinearDrag::new(0.1));
+    let begin = |i: u32| start(i, MOMENTS, 6.0).numbered(i.into()).after_steps(i.into());
+    let method = Rattle::new(0.5);
+    let mut whole = scene.ensemble((0..20).map(begin), method).unwrap();
+    whole.run(1);
+    let failed = whole.failures().count();
+    assert!(failed > 10, "{failed} of 20");
+    let mut ensemble = scene.ensemble((0..20).map(begin), method).unwrap().retry(8);
+    assert_eq!(ensemble.plan().in_lanes == 20, InstructionSet::widest().fuses());
+    ensemble.run(3);
+    for i in 0..20 {
+        let mut alone = scene.simulate(begin(i), method).unwrap().retry(8);
+        alone.run(3).unwrap();
+        let (state, work) = (ensemble.state(i as usize), ensemble.work(i as usize));
+        let off = (state.positions().next().unwrap() - alone.position()).amax();
+        let work = (work - alone.work()).abs();
+        assert!(off < 1e-11 && work < 1e-11, "{i}: {off:e}, {work:e}");
+    }
 }

@@ -1,7 +1,7 @@
 //! Lobatto methods of linked bodies in lanes beyond agreement with simulations, which `lanes_linked` tests in all its
 //! scenes: their order, constraints and energies, sweeps, failures, steps that are taken back, and who goes by itself.
 
-use crate::common::{PlanarGravity, bits};
+use crate::common::{PlanarGravity, bits, larger};
 use crate::lanes_projected::{end_as_alone, fast};
 use crate::lanes_projected_linked::{MASSES, scene, start};
 use rattle::ensemble::InstructionSet;
@@ -24,7 +24,7 @@ fn of_their_orders() {
         let off = |state: State<2>| {
             state.positions().zip(exact.positions()).map(|(a, b)| (a - b).norm()).sum::<f64>()
         };
-        ensemble.states().map(off).fold(0.0, f64::max)
+        ensemble.states().map(off).fold(0.0, larger)
     };
     let starts = || (0..9).map(|_| start(1.0, 0.5));
     let three =
@@ -98,9 +98,9 @@ fn sweeps() {
         alone.run(5).unwrap();
         let state = ensemble.state(i);
         let places = state.positions().zip(alone.positions()).map(|(a, b)| (a - b).norm());
-        places.chain(state.momenta().zip(alone.momenta()).map(|(a, b)| (a - b).norm())).fold(0.0, f64::max)
+        places.chain(state.momenta().zip(alone.momenta()).map(|(a, b)| (a - b).norm())).fold(0.0, larger)
     });
-    let most = apart.fold(0.0, f64::max);
+    let most = apart.fold(0.0, larger);
     println!("{most:e}");
     let fuses = InstructionSet::widest().fuses();
     assert_eq!(ensemble.plan().in_lanes, if fuses { 70 } else { 0 });

@@ -1,6 +1,7 @@
 //! Trajectories in phase space in lanes: as each alone but for rounding, whatever the constraints, Hamiltonians and
 //! methods.
 
+use crate::common::larger;
 use crate::lanes_linked::{Told, off_alone};
 use rattle::bodies::{Count, One};
 use rattle::composition::SUZUKI_1990_ORDER_4;
@@ -83,7 +84,7 @@ fn off<C: Hold<D>, N: Count, S: Method, const D: usize>(
     assert_eq!(ensemble.plan().in_lanes > 0, InstructionSet::widest().fuses());
     ensemble.run(steps);
     let each = starts.iter().enumerate();
-    each.map(|(i, start)| off_alone(ensemble, i, &scene(i), start, method, steps)).fold(0.0, f64::max)
+    each.map(|(i, start)| off_alone(ensemble, i, &scene(i), start, method, steps)).fold(0.0, larger)
 }
 
 /// One equation, more than a row of trajectories, with several stages as well; a single one; bodies by themselves.

@@ -1,7 +1,7 @@
 //! DOP853 of linked bodies in lanes beyond agreement with simulations, which `lanes_linked` tests in all its scenes:
 //! its order, constraints and energies, sweeps, failures, and other sheets.
 
-use crate::common::{PlanarGravity, bits};
+use crate::common::{PlanarGravity, bits, larger};
 use crate::lanes_projected::{end_as_alone, fast};
 use rattle::ensemble::InstructionSet;
 use rattle::links::planar::Rod;
@@ -42,7 +42,7 @@ fn of_order_eight() {
         let off = |state: State<2>| {
             state.positions().zip(exact.positions()).map(|(a, b)| (a - b).norm()).sum::<f64>()
         };
-        ensemble.states().map(off).fold(0.0, f64::max)
+        ensemble.states().map(off).fold(0.0, larger)
     });
     let order = (one / two).log2();
     println!("{one:e} {two:e}: {order}");
@@ -107,12 +107,10 @@ fn sweeps() {
             alone.run(5).unwrap();
             let state = ensemble.state(i);
             let places = state.positions().zip(alone.positions()).map(|(a, b)| (a - b).norm());
-            places
-                .chain(state.momenta().zip(alone.momenta()).map(|(a, b)| (a - b).norm()))
-                .fold(0.0, f64::max)
+            places.chain(state.momenta().zip(alone.momenta()).map(|(a, b)| (a - b).norm())).fold(0.0, larger)
         });
         let apart: Vec<f64> = apart.collect();
-        let most = apart.iter().copied().fold(0.0, f64::max);
+        let most = apart.iter().copied().fold(0.0, larger);
         println!("{most:e}");
         let fuses = InstructionSet::widest().fuses();
         assert_eq!(ensemble.plan().in_lanes, if fuses { 70 } else { 0 });
@@ -176,7 +174,7 @@ fn other_sheets_are_not_taken_in_silence() {
             ensemble.run(4);
             for (i, state) in ensemble.states().enumerate() {
                 let q: Vec<_> = state.positions().collect();
-                let off = (0..2).map(|n| ((q[n + 1] - q[n]).norm() - 1.0).abs()).fold(0.0, f64::max);
+                let off = (0..2).map(|n| ((q[n + 1] - q[n]).norm() - 1.0).abs()).fold(0.0, larger);
                 assert!(off < 0.1 / k, "k = {k}, h = {h}, trajectory {i}: {off:e} off");
                 *if ensemble.failure(i).is_some() { &mut refused } else { &mut right } += 1;
             }

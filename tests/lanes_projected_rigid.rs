@@ -1,6 +1,7 @@
 //! DOP853 of rigid bodies in lanes beyond agreement with simulations, which `lanes_rigid` tests: its order, rotations
 //! and energies, sweeps, and failures.
 
+use crate::common::larger;
 use crate::lanes_projected::{end_as_alone, fast};
 use crate::lanes_rigid::{Field, start};
 use rattle::ensemble::InstructionSet;
@@ -59,7 +60,7 @@ fn of_order_eight() {
         let mut ensemble = scene().ensemble(starts, Dop853::new(2.0 / f64::from(steps))).unwrap();
         ensemble.run(steps.into());
         let off = |state: State<9>| (state.positions().next().unwrap() - exact.position()).norm();
-        ensemble.states().map(off).fold(0.0, f64::max)
+        ensemble.states().map(off).fold(0.0, larger)
     });
     let order = (one / two).log2();
     println!("{one:e} {two:e}: {order}");

@@ -1,7 +1,7 @@
 //! Trajectories in lanes whose steps are taken back go by themselves: as simulations that are checked, to rounding, and
 //! judged as those are.
 
-use crate::common::{PlanarGravity, SURFACE, Trough, billiard, bits, directions};
+use crate::common::{PlanarGravity, SURFACE, Trough, billiard, bits, directions, larger};
 use crate::lanes_linked::{chain, starts};
 use crate::lanes_rigid::Field;
 use crate::{lanes_phase, lanes_rigid};
@@ -47,7 +47,7 @@ fn passes<C: Hold<D> + 'static, E: Effects<D>, N: Count, S: Method, const D: usi
         assert_eq!(bits(&divided.state(i)), bits(&a), "{i} by {}", method.name());
         assert_eq!((a.time(), a.steps()), (b.time(), b.steps()));
         let apart = a.positions().zip(b.positions()).chain(a.momenta().zip(b.momenta()));
-        worst = apart.map(|(a, b)| (a - b).norm()).fold(worst, f64::max);
+        worst = apart.map(|(a, b)| (a - b).norm()).fold(worst, larger);
     }
     println!("{}: {worst:e} apart", method.name());
     assert!(worst < 1e-11, "{worst:e} by {}", method.name());
@@ -125,7 +125,7 @@ fn what_does_not_lead_back_fails_as_in_a_simulation() {
             let off = |ensemble: &Ensemble<3>, simulation: &State<3>| {
                 let state = ensemble.state(i);
                 let places = state.positions().zip(simulation.positions());
-                places.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+                places.map(|(a, b)| (a - b).norm()).fold(0.0, larger)
             };
             assert!(off(&checked, &alone.state()) < 1e-11, "{i}");
             let mut alone = scene.simulate(start.clone(), Rattle::new(0.7)).unwrap();

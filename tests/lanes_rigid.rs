@@ -1,6 +1,7 @@
 //! Rigid bodies in lanes: as each trajectory alone but for rounding, whatever the moments of inertia, effects and
 //! methods.
 
+use crate::common::larger;
 use crate::lanes_linked::Told;
 use rattle::bodies::Count;
 use rattle::composition::{KAHAN_LI_1997_ORDER_8, SUZUKI_1990_ORDER_4};
@@ -65,7 +66,7 @@ pub(crate) fn off<E: Effects<9>, N: Count, S: Method>(
     moments: [f64; 3],
 ) -> f64 {
     ensemble.run(steps);
-    let size = moments.into_iter().fold(0.0, f64::max);
+    let size = moments.into_iter().fold(0.0, larger);
     let apart = starts.iter().enumerate().step_by(5).map(|(i, start)| {
         let mut simulation = scene(i).simulate(start.clone(), method.clone()).unwrap();
         simulation.run(steps).unwrap();
@@ -73,9 +74,9 @@ pub(crate) fn off<E: Effects<9>, N: Count, S: Method>(
         assert_eq!((ensemble.failure(i), state.time()), (None, simulation.time()));
         let places = state.positions().zip(simulation.positions()).map(|(a, b)| (a - b).amax());
         let ways = state.momenta().zip(simulation.momenta()).map(|(a, b)| (a - b).amax() / size);
-        places.chain(ways).fold(0.0, f64::max)
+        places.chain(ways).fold(0.0, larger)
     });
-    apart.fold(0.0, f64::max)
+    apart.fold(0.0, larger)
 }
 
 /// Whether all is rounding, and something is.
@@ -201,8 +202,8 @@ fn the_same_bits_everywhere() {
     ) {
         let of = |numbers: &[u32], set| scene(numbers, set, method.clone());
         let bits = |ensemble: &Ensemble<9>| {
-            let states = (0..ensemble.len()).map(|i| (ensemble.state(i), ensemble.failure(i).cloned()));
-            states.map(|(state, why)| format!("{state:?} {}", why.is_some())).collect::<Vec<_>>()
+            let of = |i| (ensemble.state(i), ensemble.failure(i).is_some(), ensemble.work(i).to_bits());
+            (0..ensemble.len()).map(|i| format!("{:?}", of(i))).collect::<Vec<_>>()
         };
         let (numbers, widest): (Vec<u32>, _) = ((0..90).collect(), InstructionSet::widest());
         let mut first = of(&numbers, widest);

@@ -1,7 +1,7 @@
 //! Splittings of kicks and drifts, compositions of them, and collocation, in lanes: as each trajectory alone but for
 //! rounding.
 
-use crate::common::Trough;
+use crate::common::{Trough, larger};
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::ensemble::InstructionSet;
 use rattle::method::Method;
@@ -27,7 +27,7 @@ fn off<P: Precision, S: Method>(precision: P, method: S, steps: u64) -> f64 {
         assert_eq!(state.time(), simulation.time());
         (q - simulation.position()).norm().max((p - simulation.momentum()).norm())
     });
-    apart.fold(0.0, f64::max)
+    apart.fold(0.0, larger)
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Taylor's method of rigid bodies in lanes beyond agreement with simulations, which `lanes_rigid` tests: its order,
 //! rotations and energies, sweeps, failures, and what is met inside of an inner step.
 
+use crate::common::larger;
 use crate::lanes_projected::{end_as_alone, fast};
 use crate::lanes_projected_rigid::{MOMENTS, lost, scene};
 use crate::lanes_rigid::{Alike, Field, check, off, start, start_of_three};
@@ -38,7 +39,7 @@ fn of_their_orders() {
             let mut ensemble = scene().ensemble(starts, Taylor::new(order, 2.0 / f64::from(steps))).unwrap();
             ensemble.run(steps.into());
             let off = |state: State<9>| (state.positions().next().unwrap() - exact.position()).norm();
-            ensemble.states().map(off).fold(0.0, f64::max)
+            ensemble.states().map(off).fold(0.0, larger)
         });
         let found = (one / two).log2();
         println!("{one:e} {two:e}: {found}");

@@ -1,5 +1,6 @@
 //! Sweeps over networks in lanes: each trajectory as a simulation of its own scene but for rounding.
 
+use crate::common::larger;
 use crate::lanes_linked::{Told, check, off_alone};
 use rattle::bodies::Many;
 use rattle::composition::SUZUKI_1990_ORDER_4;
@@ -41,7 +42,7 @@ fn off<P: Precision, C: Hold<2> + 'static, E: Effects<2> + 'static, S: Method>(
         Ensemble::sweep(precision, scenes.iter().zip(starts.iter().cloned()), method.clone()).unwrap();
     sweep.run(50);
     let each = scenes.iter().zip(&starts).enumerate();
-    each.map(|(i, (scene, start))| off_alone(&sweep, i, scene, start, method, 50)).fold(0.0, f64::max)
+    each.map(|(i, (scene, start))| off_alone(&sweep, i, scene, start, method, 50)).fold(0.0, larger)
 }
 
 const LENGTHS: fn(usize) -> [f64; 2] = |i| [spread(i, 0.5, 1.5), spread(i + 7, 0.5, 1.5)];

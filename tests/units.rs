@@ -2,6 +2,7 @@
 //! no bit else, but for roundings of inner steps of links by power series in lanes. Simulations, and ensembles in
 //! lanes.
 
+use crate::common::larger;
 use rattle::bodies::{Count, One};
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::effect::{Effects, Langevin, LinearDrag};
@@ -109,7 +110,7 @@ fn check(what: &str, end: impl Fn(Units) -> Vec<Vec<f64>>) {
         let Units { length, time, mass } = units;
         let found = end(units);
         let which = exact.iter().zip(&found).position(|(exact, found)| exact != found);
-        let off = exact.concat().iter().zip(found.concat()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let off = exact.concat().iter().zip(found.concat()).map(|(a, b)| (a - b).abs()).fold(0.0, larger);
         let is_same = which.is_none() || (what == "double pendulum, Taylor, adaptive" && off < 1e-14);
         assert!(is_same, "{what}, length {length:e}, time {time:e}, mass {mass:e}: {which:?}, {off:e}");
     }

@@ -46,6 +46,8 @@ mod lanes_starts;
 mod lanes_taylor_linked;
 #[path = "../lanes_taylor_rigid.rs"]
 mod lanes_taylor_rigid;
+#[path = "../sights_in_lanes.rs"]
+mod sights_in_lanes;
 #[path = "../sweeps_linked.rs"]
 mod sweeps_linked;
 #[path = "../sweeps_rigid.rs"]
