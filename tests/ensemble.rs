@@ -355,7 +355,8 @@ fn lanes_do_not_change_sheets() {
     let mut ensemble = scene.ensemble(starts.clone(), Rattle::new(0.15)).unwrap();
     ensemble.run(100);
     let changed = ensemble.states().zip(starts).filter(|(now, start)| sheet(now) != sheet(start)).count();
-    assert_eq!(changed, 0, "of 640, {} of which ended", ensemble.failures().count());
+    let ended = ensemble.failures().count();
+    assert!(changed == 0 && ended < 300, "{changed} of 640 changed, {ended} ended");
 }
 
 #[test]

@@ -344,7 +344,7 @@ where
     let mut worst = 0.0_f64;
     for (a, b) in seen.into_iter().zip(expected) {
         assert_eq!((a.0, a.1), (b.0, b.1));
-        worst = worst.max((a.2 - b.2).abs()).max((a.3 - b.3).abs());
+        worst = [a.2 - b.2, a.3 - b.3].into_iter().fold(worst, |worst, off| larger(worst, off.abs()));
     }
     worst
 }
@@ -474,10 +474,10 @@ struct Off(f64);
 
 impl Observer<3> for Off {
     fn see(&mut self, _: &Sight<'_, 3>, now: &Sight<'_, 3>) {
-        self.0 = self.0.max((now.position().norm() - 1.0).abs());
+        self.0 = larger(self.0, (now.position().norm() - 1.0).abs());
     }
     fn join(&mut self, next: Self) {
-        self.0 = self.0.max(next.0);
+        self.0 = larger(self.0, next.0);
     }
 }
 

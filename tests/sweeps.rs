@@ -60,6 +60,7 @@ fn a_sweep_is_its_scenes() {
     let mut failures = check_sweep(Double, &lemniscates, &rattle, 200);
     failures += check_sweep(Compensated, &lemniscates, &rattle, 200);
     failures += check_sweep(Single, &lemniscates, &rattle, 200);
+    failures += check_sweep(Double, &lemniscates, &PositionVerlet::new(0.01), 200);
     failures += check_sweep(Double, &lemniscates, &Composition::new(SUZUKI_1990_ORDER_4, 0.02), 50);
     failures += check_sweep(Double, &lemniscates, &Dop853::adaptive(0.05, 1e-9), 20);
     failures += check_sweep(Compensated, &lemniscates, &Taylor::new(7, 0.02), 50);

@@ -10,6 +10,8 @@ mod ensemble;
 mod ensemble_retry;
 #[path = "../observers.rs"]
 mod observers;
+#[path = "../single_precision.rs"]
+mod single_precision;
 #[path = "../sweeps.rs"]
 mod sweeps;
 #[path = "../watching.rs"]

@@ -14,6 +14,8 @@ mod common;
 mod data;
 #[path = "../other_runs.rs"]
 mod other_runs;
+#[path = "../other_sweeps.rs"]
+mod other_sweeps;
 #[path = "../page.rs"]
 mod page;
 #[path = "../page_data.rs"]
@@ -28,5 +30,7 @@ mod price_page;
 mod recorded;
 #[path = "../recorders.rs"]
 mod recorders;
+#[path = "../saving_by_time.rs"]
+mod saving_by_time;
 #[path = "../written.rs"]
 mod written;
