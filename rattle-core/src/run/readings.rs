@@ -366,5 +366,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S
 
 /// The largest |x|; NaN if one is.
 fn largest(numbers: &[f64]) -> f64 {
-    numbers.iter().fold(0.0, |largest, x| if x.abs() <= largest { largest } else { x.abs() })
+    let larger = |a: f64, b: f64| if a.is_nan() || b <= a { a } else { b };
+    numbers.iter().fold(0.0, |largest, x| larger(largest, x.abs()))
 }
