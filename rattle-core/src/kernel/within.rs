@@ -142,7 +142,9 @@ impl<P, B> Within<P, B> {
     /// below about a third of the radii of curvature. Bodies that are near through space but far along the surface
     /// still interact, so other parts of the surface must be farther away than the reach. A start is refused where
     /// bodies are not along the surface: on its g = 0, or on one other level of g that is the surface of the scene. In
-    /// a periodic box the surface repeats itself after each period, or the start is refused, too.
+    /// a scene with masses, pins or links, where bodies may be on several surfaces, it is asked for alone that near
+    /// bodies are on one level. In a periodic box the surface repeats itself after each period, or the start is
+    /// refused, too.
     ///
     /// ```
     /// use rattle::potentials::LennardJones;
