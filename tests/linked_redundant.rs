@@ -380,3 +380,46 @@ fn a_rod_whose_ends_nearly_meet_is_laid_where_they_are() {
     assert!((ends[1] - ends[0] - along).norm() < 1e-6, "{ends:?}");
     assert!(((ends[1] - ends[0]).norm() - 1.0).abs() <= 4.0 * f64::EPSILON, "{ends:?}");
 }
+
+/// Light joints make the sines of straight chains small: their rods are independent for all that, far away and off.
+#[test]
+fn light_joints_far_away_are_projected() {
+    for (away, light, off) in [
+        (1e5, 1e-2, [6e-3, 3e-3]),
+        (1e5, 1e-3, [2.8e-3, 1.2e-3]),
+        (1e4, 1e-3, [1.3e-3, 3e-4]),
+        (1e3, 1e-5, [1.5e-4, 5e-5]),
+        (1e3, 1e-4, [0.8e-4, 0.2e-4]),
+        (1e6, 1e-2, [2e-2, -1e-2]),
+    ] {
+        let scene = Scene::points(3)
+            .masses([1.0, light, 1.0])
+            .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
+            .pin(0, [away, 0.0]);
+        let joint = away + 1.0 + off[0];
+        let start = State::of([[away, 0.0], [joint, 0.0], [joint + 1.0 + off[1], 0.0]]);
+        let state = scene.project(&start).unwrap_or_else(|error| panic!("{away:e}, {light:e}: {error}"));
+        let places: Vec<_> = state.positions().collect();
+        for (a, b) in [(0, 1), (1, 2)] {
+            assert!(((places[b] - places[a]).norm() - 1.0).abs() < 4.0 * f64::EPSILON * away, "{away:e}");
+        }
+        assert_eq!(scene.simulate(state, Rattle::new(0.01)).unwrap().freedom(), 2, "{away:e}, {light:e}");
+    }
+}
+
+/// A link without curvature, off by as much as its coordinates allow, and a light joint: both of its links count.
+#[test]
+fn light_joints_that_are_off_hold() {
+    constraint! { struct Beside { by } |a: [f64; 2], b: [f64; 2]| b[0] - a[0] - by }
+    for light in [5e-4, 1e-4] {
+        let away = 5e6;
+        let scene = Scene::points(3)
+            .masses([1.0, light, 1.0])
+            .link(Rod { length: 1.0 }, [[0, 1]])
+            .link(Beside { by: 1.0 }, [[1, 2]])
+            .pin(0, [away, 0.0]);
+        let start = State::of([[away, 0.0], [away + 1.0, 0.0], [away + 2.0 + 4e-4, 0.0]]);
+        let simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
+        assert_eq!(simulation.freedom(), 2, "{light:e}");
+    }
+}

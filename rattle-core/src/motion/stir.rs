@@ -145,19 +145,22 @@ pub(crate) fn stir<T: Scalar, Y: System<T, D>, const D: usize>(
 /// The force of a flow is what it gives in this part of a time, where its way is nearly a straight line and has a way
 /// back; or in a fourth, a sixteenth … of that, if a drag stops bodies in much less.
 pub(crate) const SHORTLY: f64 = 1.0 / 64.0;
-const MOST_SHORTENED: u32 = 32;
+const MOST_SHORTENED: i32 = 32;
 
 /// Of this part of what a flow gives it may give more forwards than backwards; then the force is right to a 400th.
 const BENT: f64 = 1.0 / 16.0;
 
-/// Whether what a flow gives in a time and what it gives backwards are nearly opposite; not where they are no numbers.
+/// Whether what a flow gives each body in a time and what it gives it backwards are nearly opposite; not where they are
+/// no numbers.
 fn is_straight<T: Scalar, const D: usize>(forth: &[[T; D]], back: &[[T; D]]) -> bool {
-    let (mut bent, mut whole) = (0.0, 0.0);
-    for (forth, back) in forth.iter().flatten().zip(back.iter().flatten()) {
-        let (forth, back) = (forth.to_f64(), back.to_f64());
-        (bent, whole) = ((forth + back).abs() + bent, (forth - back).abs() + whole);
-    }
-    bent <= BENT * whole
+    forth.iter().zip(back).all(|(forth, back)| {
+        let (mut bent, mut whole) = (0.0, 0.0);
+        for (forth, back) in forth.iter().zip(back) {
+            let (forth, back) = (forth.to_f64(), back.to_f64());
+            (bent, whole) = ((forth + back).abs() + bent, (forth - back).abs() + whole);
+        }
+        whole.is_finite() && bent <= BENT * whole
+    })
 }
 
 /// In the place of [`Noise`] where flows take note, so that they draw other numbers than where they act.
@@ -289,13 +292,15 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
                 let mut short = SHORTLY * h;
                 let at = |h: f64| Given { h, velocities: middle, ..given };
                 momenta.swap_with_slice(bodies.p.as_mut());
-                for _ in 0..MOST_SHORTENED {
+                for round in 0..=MOST_SHORTENED {
+                    // Where no way is straight, as where a body is stopped, that of the first time is taken.
+                    short =
+                        if round < MOST_SHORTENED { SHORTLY * h * 0.25_f64.powi(round) } else { SHORTLY * h };
                     system.flow(number, at(short), bodies, push);
                     system.flow(number, at(-short), bodies, way);
                     if is_straight(push, way) {
                         break;
                     }
-                    short *= 0.25;
                 }
                 for (push, way) in push.iter_mut().zip(&mut *way) {
                     *push = scaled(T::from_f64(0.5 / short), &minus(push, way));

@@ -1,6 +1,6 @@
 //! How many equations are independent at a start, and how well it tells the directions of normals.
 
-use crate::number::vector::scaled;
+use crate::number::vector::{dot, largest, scaled};
 use crate::solve::aim::ROUNDINGS;
 use crate::systems::linked::start::Start;
 use crate::systems::network::orthogonal::BRANCHING;
@@ -8,6 +8,10 @@ use crate::systems::network::shape::{Component, Shape};
 
 /// Normals with a larger sine to those before are independent, whatever a start is off.
 const APART: f64 = 0.1;
+
+/// An equation that follows from others where these hold is left by a way onto them with what is of second order in it,
+/// or of so many times that: it may be made of several of them.
+const SECOND_ORDER: f64 = 16.0;
 
 /// What was found for a component, once for all of its equations.
 #[derive(Debug, Default)]
@@ -65,8 +69,8 @@ impl<const D: usize> Start<D> {
 }
 
 /// Has a component, which has taken its normals over, count those equations alone that are independent of the others
-/// where these hold: their normals are at more than what the place being off and its rounding can turn any by. To be
-/// limited to no fewer before that.
+/// where these hold: their normals are at more than what the place being off and its rounding can turn any by, or a way
+/// onto the others leaves them off. To be limited to no fewer before that.
 pub(super) fn count_independent<const D: usize>(
     shape: &mut Shape<D>,
     c: usize,
@@ -79,6 +83,7 @@ pub(super) fn count_independent<const D: usize>(
     if sines.is_empty() || counted == m {
         return;
     }
+    let rounding = start.rounding_of_all(shape, c, &start.q);
     // How far off a start is shows the way onto those that are clearly apart. Some that are not may be by more than it
     // may turn normals by, and count for the way as well.
     let turned = loop {
@@ -90,11 +95,26 @@ pub(super) fn count_independent<const D: usize>(
         let (mut x, mut way) = (vec![0.0; m], vec![[0.0; D]; start.q.len()]);
         solver.solve(&off, &mut x);
         solver.displace(rows, roots, &x, &mut way);
-        let turned = (0..m).map(|row| start.turned(shape, (c, row), time, Some(&way))).fold(0.0, f64::max);
-        if sines.get(counted).is_none_or(|&next| next <= turned) {
+        let reach = way.iter().map(largest).fold(0.0, f64::max);
+        let (mut turned, mut holds) = (0.0_f64, true);
+        for row in 0..m {
+            let of_row = start.turned(shape, (c, row), time, Some(&way));
+            let rows = &shape.components[c].rows;
+            let change: f64 =
+                rows.touched_by(row).map(|(block, body)| dot(&start.blocks[block], &way[body])).sum();
+            let left = (start.g[row] + change).abs() / start.length(shape, c, row);
+            holds &= left <= (SECOND_ORDER / ROUNDINGS * of_row * reach).max(rounding);
+            turned = turned.max(of_row);
+        }
+        let next = sines.get(counted).copied().unwrap_or(0.0);
+        if next > turned {
+            counted = above(turned.max(APART * next));
+        } else if !holds && next > BRANCHING {
+            // The next one asks for something of its own, however small masses make its sine.
+            counted += 1;
+        } else {
             break turned;
         }
-        counted = above(turned.max(APART * sines[counted]));
     };
     let Shape { components, roots, .. } = &mut *shape;
     let Component { rows, solver, .. } = &mut components[c];

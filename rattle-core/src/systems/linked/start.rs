@@ -70,7 +70,7 @@ impl<const D: usize> Start<D> {
 
     /// Some roundings of places or velocities along all normals of a component: they reach an equation whose own bodies
     /// are at rest at the origin.
-    fn rounding_of_all(&self, shape: &Shape<D>, c: usize, of: &[[f64; D]]) -> f64 {
+    pub(super) fn rounding_of_all(&self, shape: &Shape<D>, c: usize, of: &[[f64; D]]) -> f64 {
         let rows = &shape.components[c].rows;
         let sizes = (0..rows.equations()).map(|row| self.along(shape, (c, row), of));
         ROUNDINGS * f64::EPSILON * sizes.fold(0.0, f64::max)
