@@ -257,6 +257,11 @@ fn stages_take_no_more_equations_than_the_start() {
 #[test]
 fn starts_that_are_far_off_move() {
     let (first, exact) = ([5e5, 5e6], turning([5e5, 5e6], exactly));
+    let far = [5e6, 5e7];
+    let mut places: Vec<_> = turning(far, exactly).positions().map(|q| [q.x, q.y]).collect();
+    let (sin, cos) = (4.5e-3_f64 - 2.0).sin_cos();
+    places[4] = [pins(far)[1][0] + cos, pins(far)[1][1] + sin];
+    assert_eq!(linkage(far).simulate(State::of(places), Rattle::new(0.01)).unwrap().freedom(), 1);
     let speeds = [0.0, 4e-6, 4e-5, 4e-4].map(|off| {
         let mut places: Vec<_> = exact.positions().map(|q| [q.x, q.y]).collect();
         let (sin, cos) = (off - 2.0_f64).sin_cos();
@@ -421,5 +426,39 @@ fn light_joints_that_are_off_hold() {
         let start = State::of([[away, 0.0], [away + 1.0, 0.0], [away + 2.0 + 4e-4, 0.0]]);
         let simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
         assert_eq!(simulation.freedom(), 2, "{light:e}");
+    }
+}
+
+/// `project` moves a mechanism by no more than it is off, along its motion too.
+#[test]
+fn linkages_are_not_projected_along_their_motion() {
+    for at in [[0.0, 0.0], [1e4, 2e4]] {
+        for (r, turned) in [(1e-4, 2e-6), (1e-3, 2e-6), (1e-3, 5e-6), (1e-2, 2e-6), (1e-2, 2e-5)] {
+            let (scene, start) = (linkage(at), turning(at, exactly));
+            let (sin, cos) = (-2.0_f64 + turned).sin_cos();
+            let mut places: Vec<_> = start.positions().map(<[f64; 2]>::from).collect();
+            let pin = places[1];
+            places[4] = [pin[0] + (1.0 + r) * cos, pin[1] + (1.0 + r) * sin];
+            let state = scene.project(&State::of(places.clone())).unwrap();
+            let moved = state.positions().zip(&places).map(|(q, from)| (q - SVector::from(*from)).norm());
+            let moved = moved.fold(0.0, f64::max);
+            assert!(moved < 4.0 * r, "{r:e}, {turned:e}: moved by {moved:e}");
+        }
+    }
+}
+
+/// Long chains of light and heavy joints far away, straight and off.
+#[test]
+fn chains_of_light_joints_far_away_are_projected() {
+    let links = 10;
+    for seed in 0..5 {
+        let masses = (0..=links).map(|i| if i % 2 == 1 { 1e-4 } else { 1.0 });
+        let chain: Vec<_> = (0..links).map(|i| [i, i + 1]).collect();
+        let scene =
+            Scene::points(links + 1).masses(masses).link(Rod { length: 1.0 }, chain).pin(0, [1e3, 0.0]);
+        let off = |i: usize| if i == 0 { 0.0 } else { 1e-3 * (3.7 * i as f64 + 0.9 * f64::from(seed)).sin() };
+        let state = State::of((0..=links).map(|i| [1e3 + i as f64 + off(i), 0.0]));
+        let state = scene.project(&state).unwrap_or_else(|error| panic!("{seed}: {error}"));
+        assert_eq!(scene.simulate(state, Rattle::new(0.01)).unwrap().freedom(), links, "{seed}");
     }
 }

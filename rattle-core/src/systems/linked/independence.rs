@@ -96,22 +96,21 @@ pub(super) fn count_independent<const D: usize>(
         solver.solve(&off, &mut x);
         solver.displace(rows, roots, &x, &mut way);
         let reach = way.iter().map(largest).fold(0.0, f64::max);
-        let (mut turned, mut holds) = (0.0_f64, true);
-        for row in 0..m {
-            let of_row = start.turned(shape, (c, row), time, Some(&way));
-            let rows = &shape.components[c].rows;
-            let change: f64 =
-                rows.touched_by(row).map(|(block, body)| dot(&start.blocks[block], &way[body])).sum();
-            let left = (start.g[row] + change).abs() / start.length(shape, c, row);
-            holds &= left <= (SECOND_ORDER / ROUNDINGS * of_row * reach).max(rounding);
-            turned = turned.max(of_row);
-        }
+        let turned = (0..m).map(|row| start.turned(shape, (c, row), time, Some(&way))).fold(0.0, f64::max);
+        // What is left of one may be of second order in others from which it follows.
+        let least = (SECOND_ORDER / ROUNDINGS * turned * reach).max(rounding);
+        let rows = &shape.components[c].rows;
+        let holds = (0..m).all(|row| {
+            let change = |(block, body): (usize, usize)| dot(&start.blocks[block], &way[body]);
+            let left = start.g[row] + rows.touched_by(row).map(change).sum::<f64>();
+            left.abs() <= least * start.length(shape, c, row)
+        });
         let next = sines.get(counted).copied().unwrap_or(0.0);
         if next > turned {
             counted = above(turned.max(APART * next));
         } else if !holds && next > BRANCHING {
-            // The next one asks for something of its own, however small masses make its sine.
-            counted += 1;
+            // The next one asks for something of its own, though masses make its sine small.
+            counted = above((APART * next).max(BRANCHING)).max(counted + 1);
         } else {
             break turned;
         }

@@ -23,9 +23,6 @@ use crate::systems::network::solver::{CLEARLY, Solver};
 /// condition 1/sin², finds by further rounds alone; and displacements of light bodies it does not find again.
 const NARROW: f64 = 1e-3;
 
-/// Distances that no longer shrink may be the rounding of g below this part of the coordinates.
-const NEAR: f64 = 1e-7;
-
 /// Where bodies are once the run begins: a state may have what is pinned a little off its pin.
 fn places<const D: usize>(shape: &Shape<D>, state: &State<D>) -> Vec<[f64; D]> {
     let mut q = Body::positions(&state.bodies);
@@ -523,9 +520,11 @@ fn place<const D: usize>(
             let cause = StartFailure::ConstraintNotFinite { value: start.g[worst], gradient, position };
             return Err(at(shape, c, worst, cause));
         }
-        let stays = correction <= f64::EPSILON * size;
         let contradicts = distance > START_TOLERANCE * size;
-        if nearing.look(distance, stays && (there || contradicts), distance <= NEAR * size).0 {
+        // Far off, a distance that is no longer halved may still shrink: light bodies go first. Links contradict each
+        // other where nothing moves any more.
+        let stays = correction <= if contradicts { ROUNDINGS * f64::EPSILON } else { f64::EPSILON } * size;
+        if nearing.look(distance, stays && (there || contradicts), !contradicts).0 {
             if contradicts {
                 let cause = StartFailure::Contradictory { equation: shape.equation_at(c, worst), distance };
                 return Err(at(shape, c, worst, cause));
