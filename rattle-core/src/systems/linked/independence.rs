@@ -2,7 +2,7 @@
 
 use crate::number::vector::{dot, largest, scaled};
 use crate::solve::aim::ROUNDINGS;
-use crate::systems::linked::start::Start;
+use crate::systems::linked::at_start::Start;
 use crate::systems::network::orthogonal::BRANCHING;
 use crate::systems::network::shape::{Component, Shape};
 
@@ -12,15 +12,6 @@ const APART: f64 = 0.1;
 /// An equation that follows from others where these hold is left by a way onto them with what is of second order in it,
 /// or of so many times that: it may be made of several of them.
 const SECOND_ORDER: f64 = 16.0;
-
-/// What was found for a component, once for all of its equations.
-#[derive(Debug, Default)]
-pub(super) struct Known {
-    pub(super) places: Option<f64>,
-    pub(super) speeds: Option<f64>,
-    /// For each body that can move by how much the normals there may be turned, the most of all.
-    turned: Option<Vec<f64>>,
-}
 
 impl<const D: usize> Start<D> {
     /// By how much this way, if there is one, and some roundings of places may turn a normal.

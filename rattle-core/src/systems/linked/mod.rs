@@ -2,6 +2,7 @@
 
 mod abreast;
 mod aim;
+mod at_start;
 mod chords;
 mod collocation;
 mod diagnosis;
