@@ -75,6 +75,7 @@ pub(super) fn count_independent<const D: usize>(
         return;
     }
     let rounding = start.rounding_of_all(shape, c, &start.q);
+    let (mut x, mut way) = (vec![0.0; m], std::mem::take(&mut start.lift)); // of others it is not looked at
     // How far off a start is shows the way onto those that are clearly apart. Some that are not may be by more than it
     // may turn normals by, and count for the way as well.
     let turned = loop {
@@ -83,10 +84,10 @@ pub(super) fn count_independent<const D: usize>(
         solver.limit(counted, f64::INFINITY);
         solver.normals(rows, &start.blocks[..rows.blocks()], roots);
         let off: Vec<f64> = start.g[..m].iter().map(|g| -g).collect();
-        let (mut x, mut way) = (vec![0.0; m], vec![[0.0; D]; start.q.len()]);
         solver.solve(&off, &mut x);
+        rows.bodies.iter().for_each(|&body| way[body] = [0.0; D]);
         solver.displace(rows, roots, &x, &mut way);
-        let reach = way.iter().map(largest).fold(0.0, f64::max);
+        let reach = rows.bodies.iter().map(|&body| largest(&way[body])).fold(0.0, f64::max);
         let turned = (0..m).map(|row| start.turned(shape, (c, row), time, Some(&way))).fold(0.0, f64::max);
         // What is left of one may be of second order in others from which it follows.
         let least = (SECOND_ORDER / ROUNDINGS * turned * reach).max(rounding);
@@ -106,6 +107,7 @@ pub(super) fn count_independent<const D: usize>(
             break turned;
         }
     };
+    start.lift = way;
     let Shape { components, roots, .. } = &mut *shape;
     let Component { rows, solver, .. } = &mut components[c];
     solver.limit(counted, turned.max(BRANCHING));
