@@ -108,8 +108,5 @@ pub(super) fn count_independent<const D: usize>(
         }
     };
     start.lift = way;
-    let Shape { components, roots, .. } = &mut *shape;
-    let Component { rows, solver, .. } = &mut components[c];
-    solver.limit(counted, turned.max(BRANCHING));
-    solver.normals(rows, &start.blocks[..rows.blocks()], roots);
+    shape.components[c].solver.limit(counted, turned.max(BRANCHING)); // no other is beyond that here
 }

@@ -291,8 +291,14 @@ impl<Fo: Force<f64, D>, const D: usize> Tied<Fo, D> {
 
     /// The same at a stage, which may be far off the constraints: those equations count that did at the place before.
     #[inline(never)]
-    pub(super) fn normals_off(&mut self, shape: &Shape<D>, c: usize, time: f64, q: &[[f64; D]]) {
-        self.take(shape, c, (time, q), Solver::normals_off);
+    pub(super) fn normals_off(
+        &mut self,
+        shape: &Shape<D>,
+        c: usize,
+        time: f64,
+        q: &[[f64; D]],
+    ) -> (f64, usize) {
+        self.take(shape, c, (time, q), Solver::normals_off)
     }
 
     #[inline(always)]

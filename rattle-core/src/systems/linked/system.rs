@@ -25,6 +25,7 @@ use crate::systems::linked::diagnosis::{gradient, kinked};
 use crate::systems::linked::kept::{BodiesOf, Counts, Kept, Linked, Tied, along};
 use crate::systems::linked::moving::Moving;
 use crate::systems::linked::room::Stages;
+use crate::systems::network::shape::Shape;
 
 /// The error of a checkpoint whose run had another linear algebra.
 #[cold]
@@ -32,6 +33,23 @@ fn chosen_otherwise() -> Error {
     let part = "linear algebra, which links choose at the start".into();
     let [file, here] = ["a run from another start", "a start where normals are more, or less, independent"];
     Error::Record(RecordMistake::Another { part, file: file.into(), here: here.into() })
+}
+
+impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+    /// Takes the normals of all components over where bodies are, by one of the ways to do so.
+    #[inline(always)]
+    fn take_normals<R>(
+        &self,
+        bodies: &mut BodiesOf<F, N, D>,
+        normals: impl Fn(&mut Tied<F::Force, D>, &Shape<D>, usize, f64, &[[f64; D]]) -> R,
+    ) {
+        let Bodies { q, time, kept: Kept { tied, .. }, .. } = bodies;
+        tied.aims.fill(Aim::unknown());
+        for c in 0..self.shape.components.len() {
+            normals(tied, &self.shape, c, *time, q.as_ref());
+        }
+        tied.in_rows.forget();
+    }
 }
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Parts<f64, D> for Linked<F, N, D> {
@@ -76,22 +94,12 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Parts<f64, D> for Linked<F, N,
     }
 
     fn refresh(&self, bodies: &mut BodiesOf<F, N, D>) {
-        bodies.kept.tied.aims.fill(Aim::unknown());
-        for c in 0..self.shape.components.len() {
-            let (q, time) = (bodies.q.as_ref(), bodies.time);
-            bodies.kept.tied.normals(&self.shape, c, time, q);
-        }
-        bodies.kept.tied.in_rows.forget();
+        self.take_normals(bodies, Tied::normals);
         self.evaluate_forces(bodies);
     }
 
     fn refresh_off(&self, bodies: &mut BodiesOf<F, N, D>) {
-        bodies.kept.tied.aims.fill(Aim::unknown());
-        for c in 0..self.shape.components.len() {
-            let (q, time) = (bodies.q.as_ref(), bodies.time);
-            bodies.kept.tied.normals_off(&self.shape, c, time, q);
-        }
-        bodies.kept.tied.in_rows.forget();
+        self.take_normals(bodies, Tied::normals_off);
         self.evaluate_forces(bodies);
     }
 
