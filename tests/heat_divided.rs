@@ -1,8 +1,9 @@
 //! Baths where steps are divided, because they are too long, or at contacts and edges: random numbers are those of the
 //! whole step, so that what a step meets does not choose among them.
 
+use crate::common::larger;
 use rattle::Error;
-use rattle::effect::{Andersen, Langevin, Stop, VelocityRescaling};
+use rattle::effect::{Andersen, Langevin, MagneticField, SelfPropulsion, Stop, VelocityRescaling};
 use rattle::prelude::*;
 use rattle::surfaces::Sphere;
 use rattle::watch::{Mean, Sight};
@@ -148,4 +149,51 @@ fn heat_goes_over_edges() {
         run.run(4000).unwrap();
         assert!(run.events() > 20, "{seed}: {}", run.events());
     }
+}
+
+constraint! {
+    /// What is to the left of a wall.
+    struct Left {}
+    |x, _y| x
+}
+
+/// A body that propels itself at a wall bounces as under a weight: p²/2 + Fx stays, to the rounding of some hundred
+/// impacts, since parabolas are exact.
+#[test]
+fn a_constant_push_between_impacts_is_exact() {
+    for h in [0.083, 0.0415] {
+        let push = SelfPropulsion::new(1.0, 0.0, 1).headed([[-1.0, 0.0]]);
+        let start = State::of([[0.5, 0.0]]);
+        let run = Scene::points::<2>(1).with(push).simulate(start, Rattle::new(h)).unwrap();
+        let mut run = run.collide(Stop::above(Left {})).unwrap();
+        let mut off = 0.0_f64;
+        for _ in 0..(200.0 / h) as u32 {
+            run.run(1).unwrap();
+            let (q, p) = (run.positions().next().unwrap(), run.momenta().next().unwrap());
+            off = larger(off, (0.5 * p.norm_squared() + q.x - 0.5).abs());
+        }
+        assert!(run.events() > 90, "{}", run.events());
+        assert!(off < 1e-12, "{h}: {off:e}");
+    }
+}
+
+/// A bath that does nothing leaves a magnetic field between impacts where it was.
+#[test]
+fn a_bath_without_heat_changes_no_impacts() {
+    let scene = Scene::points::<2>(1).with(MagneticField::new([0.0, 0.0, 1.3]));
+    let bath = Langevin { friction: 0.0, temperature: 0.0, seed: 1 };
+    let start = || State::of([[0.2, 0.0]]).with_momenta([[-0.7, 0.2]]);
+    let mut plain = scene.clone().simulate(start(), Rattle::new(0.1)).unwrap();
+    let mut bathed = scene.with(bath).simulate(start(), Rattle::new(0.1)).unwrap();
+    plain = plain.collide(Stop::above(Left {})).unwrap();
+    bathed = bathed.collide(Stop::above(Left {})).unwrap();
+    plain.run(300).unwrap();
+    bathed.run(300).unwrap();
+    assert!(plain.events() > 5, "{}", plain.events());
+    assert_eq!(plain.events(), bathed.events());
+    let [off, turned] = [
+        (plain.positions().next().unwrap() - bathed.positions().next().unwrap()).norm(),
+        (plain.momenta().next().unwrap() - bathed.momenta().next().unwrap()).norm(),
+    ];
+    assert!(off < 1e-12 && turned < 1e-12, "{off:e} {turned:e}");
 }

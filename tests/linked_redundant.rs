@@ -320,7 +320,7 @@ fn short_rods_leave_other_momenta_checked() {
     };
     let error = at(0.0).err();
     assert!(error.is_none(), "{error:?}");
-    let error = at(1e-6).err().expect("a velocity that is off by 1e-6");
+    let error = at(1e-6).expect_err("a velocity that is off by 1e-6");
     assert!(matches!(error, Error::Start { cause: StartFailure::NotAlong { .. }, .. }), "{error}");
 }
 

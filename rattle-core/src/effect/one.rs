@@ -102,8 +102,9 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 
     /// Whether the effect, a flow, keeps a memory from step to step.
     const REMEMBERS: bool = false;
-    /// Whether the flow is a push: a change in proportion to h that does not depend on momenta. Such a flow also acts
-    /// in [Brownian motion](crate::methods::brownian::Brownian), which has no momenta.
+    /// Whether the flow is a push: a change in proportion to h that does not depend on momenta, nor on chance but by
+    /// its memory. Such a flow also acts in [Brownian motion](crate::methods::brownian::Brownian), which has no
+    /// momenta.
     const PUSHES: bool = false;
     /// Whether the force on each body is independent of the other bodies, of the number of the body, and of time. It is
     /// asked for by [`kick`](Self::kick) then.

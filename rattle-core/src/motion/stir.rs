@@ -58,6 +58,42 @@ pub(crate) fn draws<T: Scalar, Y: System<T, D>, const D: usize>(system: &Y) -> b
     random(system).is_some()
 }
 
+/// Which of the flows act.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Chosen {
+    All,
+    /// Those that draw random numbers, as they act or as they take note.
+    Drawing,
+    /// Those that draw none. The push of one that draws as it takes note is among them.
+    Others,
+    None,
+}
+
+impl Chosen {
+    /// Those that act inside a stretch of a step, where those that draw act around the whole step: to have the others
+    /// act there too would be of first order only where stretches differ in length.
+    pub(crate) fn inside<T: Scalar, Y: System<T, D>, const D: usize>(system: &Y) -> Self {
+        if !draws(system) {
+            return Self::All;
+        }
+        let others = (0..Y::FLOWS).any(|number| Self::Others.has(system.effects().manner(number).0));
+        if others { Self::Others } else { Self::None }
+    }
+
+    fn has(self, Manner { rule, pushes, .. }: Manner) -> bool {
+        match self {
+            Self::All => true,
+            Self::Drawing => rule == Rule::Random && !pushes,
+            Self::Others => rule != Rule::Random || pushes,
+            Self::None => false,
+        }
+    }
+
+    fn take_note(self) -> bool {
+        matches!(self, Self::All | Self::Drawing)
+    }
+}
+
 /// Whether a flow feels forces.
 pub(crate) fn feels<T: Scalar, Y: System<T, D>, const D: usize>(system: &Y) -> bool {
     if const { Y::FLOWS == 0 } {
@@ -79,13 +115,27 @@ pub(crate) fn step<S: Method, T: Scalar, Y: System<T, D>, W: Witness<T>, const D
     memory: &mut [T],
     witness: &mut W,
 ) -> Result<(), Failure> {
-    if const { Y::FLOWS == 0 || S::STIRS } {
+    step_with(Chosen::All, method, seen, system, bodies, memory, witness)
+}
+
+/// The same with some of the flows.
+#[inline(always)]
+pub(crate) fn step_with<S: Method, T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    chosen: Chosen,
+    method: &S,
+    seen: View<'_, S, T, Y, D>,
+    system: &Y,
+    bodies: &mut BodiesOf<Y, T, D>,
+    memory: &mut [T],
+    witness: &mut W,
+) -> Result<(), Failure> {
+    if const { Y::FLOWS == 0 || S::STIRS } || chosen == Chosen::None {
         return method.step(seen, bodies, memory, witness);
     }
     let half = 0.5 * method.step_size();
-    let first = |bodies: &mut BodiesOf<Y, T, D>| stir(Half::Before, half, system, bodies);
+    let first = |bodies: &mut BodiesOf<Y, T, D>| stir_some(chosen, Half::Before, half, system, bodies);
     let mut middle = |bodies: &mut BodiesOf<Y, T, D>| method.step(seen, bodies, memory, witness);
-    let last = |bodies: &mut BodiesOf<Y, T, D>| stir(Half::After, half, system, bodies);
+    let last = |bodies: &mut BodiesOf<Y, T, D>| stir_some(chosen, Half::After, half, system, bodies);
     // Bodies that constraints move are never at rest.
     if feels(system) && !system.constraints_move() {
         return sticking::step(system, bodies, first, middle, last);
@@ -131,11 +181,23 @@ pub(crate) fn stir<T: Scalar, Y: System<T, D>, const D: usize>(
     system: &Y,
     bodies: &mut BodiesOf<Y, T, D>,
 ) -> Result<(), Failure> {
-    if half == Half::Before {
+    stir_some(Chosen::All, half, h, system, bodies)
+}
+
+/// The same of some flows; those that draw take note for all.
+pub(crate) fn stir_some<T: Scalar, Y: System<T, D>, const D: usize>(
+    chosen: Chosen,
+    half: Half,
+    h: f64,
+    system: &Y,
+    bodies: &mut BodiesOf<Y, T, D>,
+) -> Result<(), Failure> {
+    let notes = chosen.take_note();
+    if notes && half == Half::Before {
         take_note(half, h, system, bodies);
     }
-    push(half, h, system, bodies)?;
-    if half == Half::After {
+    push_some(chosen, half, h, system, bodies)?;
+    if notes && half == Half::After {
         take_note(half, h, system, bodies);
         bodies.noise.place += u64::from(Y::REMEMBERS);
     }
@@ -182,7 +244,7 @@ pub(crate) fn take_note<T: Scalar, Y: System<T, D>, const D: usize>(
 }
 
 /// Who has flows act for a time h.
-type Act<Y, T, const D: usize> = fn(Half, f64, &Y, &mut BodiesOf<Y, T, D>) -> Result<(), Failure>;
+type Act<Y, T, const D: usize> = fn(Chosen, Half, f64, &Y, &mut BodiesOf<Y, T, D>) -> Result<(), Failure>;
 
 /// Has all flows act for a time h, one after the other.
 pub(crate) fn push<T: Scalar, Y: System<T, D>, const D: usize>(
@@ -191,13 +253,26 @@ pub(crate) fn push<T: Scalar, Y: System<T, D>, const D: usize>(
     system: &Y,
     bodies: &mut BodiesOf<Y, T, D>,
 ) -> Result<(), Failure> {
+    push_some(Chosen::All, half, h, system, bodies)
+}
+
+/// The same of some flows.
+pub(crate) fn push_some<T: Scalar, Y: System<T, D>, const D: usize>(
+    chosen: Chosen,
+    half: Half,
+    h: f64,
+    system: &Y,
+    bodies: &mut BodiesOf<Y, T, D>,
+) -> Result<(), Failure> {
     // A constant, so that the compiler goes through nothing of flows where there are none.
-    let act: Act<Y, T, D> = const { if Y::FLOWS == 0 { |_, _, _, _| Ok(()) } else { push_all::<T, Y, D> } };
-    act(half, h, system, bodies)
+    let act: Act<Y, T, D> =
+        const { if Y::FLOWS == 0 { |_, _, _, _, _| Ok(()) } else { push_each::<T, Y, D> } };
+    act(chosen, half, h, system, bodies)
 }
 
 /// The same where there are flows.
-fn push_all<T: Scalar, Y: System<T, D>, const D: usize>(
+fn push_each<T: Scalar, Y: System<T, D>, const D: usize>(
+    chosen: Chosen,
     half: Half,
     h: f64,
     system: &Y,
@@ -208,7 +283,12 @@ fn push_all<T: Scalar, Y: System<T, D>, const D: usize>(
         let n = bodies.q.as_ref().len();
         for number in 0..Y::FLOWS {
             let number = if half == Half::Before { number } else { Y::FLOWS - 1 - number };
-            let (Manner { rule, feels, .. }, name) = system.effects().manner(number);
+            let (manner, name) = system.effects().manner(number);
+            let (Manner { rule, feels, .. }, acts) = (manner, chosen.has(manner));
+            if !acts {
+                bodies.noise.place += u64::from(chosen == Chosen::Drawing); // as if it acted
+                continue;
+            }
             let (room, p) = room.split_at_mut(4 * n);
             let (p, felt) = p.split_at_mut(6 * n);
             let (first, low) = p.split_at_mut(n);
@@ -220,7 +300,7 @@ fn push_all<T: Scalar, Y: System<T, D>, const D: usize>(
                 Rule::Random => flow.act(h, bodies)?,
                 Rule::Symmetric => flow.act_symmetrically(h, bodies, other, name)?,
             }
-            bodies.noise.place += 1;
+            bodies.noise.place += u64::from(chosen != Chosen::Others);
         }
         Ok(())
     })?;

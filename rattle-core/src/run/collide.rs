@@ -29,7 +29,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// [`StepFailure::TooManyImpacts`](crate::error::StepFailure::TooManyImpacts).
     ///
     /// Random forces act before the whole step and after it, whatever happens between: a contact does not choose among
-    /// them. By `Baoab`, which has them in the middle, nothing collides where they are.
+    /// them. Other flows act before and after each stretch between contacts, as does
+    /// [`SelfPropulsion`](crate::effect::SelfPropulsion) along headings that turn before the step and after it. By
+    /// `Baoab`, which has random forces in the middle, nothing collides where they are.
     ///
     /// Contacts are not part of a [`State`](crate::motion::state::State): call `collide` again after a restart. In a
     /// step with events [`retry`](Self::retry) divides the parts between events, and

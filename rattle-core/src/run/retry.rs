@@ -3,7 +3,7 @@
 use crate::effect::interval::Half;
 use crate::methods::able::view;
 use crate::motion::method::Method;
-use crate::motion::stir::{draws, stir};
+use crate::motion::stir::{Chosen, draws, stir};
 use crate::motion::system::System;
 use crate::motion::witness::Hears;
 use crate::number::clock::later;
@@ -56,6 +56,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             None => (self.method.with_step(h / f64::from(parts)), parts),
         };
         let around = const { !S::STIRS } && random;
+        let inside = if around { Chosen::None } else { Chosen::All };
         if random {
             self.bodies.noise = self.noise();
         }
@@ -67,8 +68,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let (system, bodies) = (&self.system, &mut self.bodies);
         let mut before = bodies.saved();
         for _ in 0..parts {
-            if let Some(taken) =
-                part(&method, system, bodies, memory.as_mut(), witness, !around, &mut before)?
+            if let Some(taken) = part(&method, system, bodies, memory.as_mut(), witness, inside, &mut before)?
             {
                 self.clock = later(self.clock, (taken, 0.0));
             }

@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::methods::able::{no_way_back, view};
 use crate::motion::bodies::Body;
 use crate::motion::method::{Method, check_tolerance};
+use crate::motion::stir::Chosen;
 use crate::motion::system::System;
 use crate::run::seldom::seldom;
 use crate::run::simulation::{Reversal, Simulation};
@@ -49,8 +50,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let memory = reversal.memory.as_mut();
         let backwards = reversal.backwards.with_step(reversal.backwards.step_size() / f64::from(parts));
         let bodies = &mut self.bodies;
-        let back =
-            (0..parts).try_for_each(|_| seldom(&backwards, &self.system, bodies, memory, &mut (), true));
+        let back = (0..parts)
+            .try_for_each(|_| seldom(&backwards, &self.system, bodies, memory, &mut (), Chosen::All));
         let n = self.bodies.q.as_ref().len();
         compare(n, &|i| [self.before.body(i), self.bodies.body(i)], back.is_ok(), reversal.tolerance)?;
         self.system.put_back(&mut self.bodies, &reversal.after);

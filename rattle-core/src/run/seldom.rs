@@ -5,13 +5,13 @@ use crate::motion::bodies::Saved;
 use crate::motion::course::check;
 use crate::motion::method::Method;
 use crate::motion::parts::BodiesOf;
-use crate::motion::stir;
+use crate::motion::stir::{Chosen, step_with};
 use crate::motion::system::System;
 use crate::motion::witness::{Hears, Whoever};
 use crate::run::trouble::Trouble;
 
-/// A step that is seldom taken, in one place; with flows, unless these act [around](crate::motion::stir::draws) all of
-/// its parts.
+/// A step that is seldom taken, in one place; with these flows, where others act [around](crate::motion::stir::draws)
+/// all of its parts.
 #[cold]
 #[inline(never)]
 pub(in crate::run) fn seldom<Y: System<f64, D>, S: Method, const D: usize>(
@@ -20,15 +20,10 @@ pub(in crate::run) fn seldom<Y: System<f64, D>, S: Method, const D: usize>(
     bodies: &mut BodiesOf<Y, f64, D>,
     memory: &mut [f64],
     witness: &mut dyn Hears<f64>,
-    flows: bool,
+    flows: Chosen,
 ) -> Result<(), Trouble> {
     let (seen, mut witness) = (view(method, system)?, Whoever(witness));
-    if flows {
-        stir::step(method, seen, system, bodies, memory, &mut witness)?;
-    } else {
-        method.step(seen, bodies, memory, &mut witness)?;
-    }
-    Ok(())
+    Ok(step_with(flows, method, seen, system, bodies, memory, &mut witness)?)
 }
 
 /// A part of a step, which is looked at as a step is; returns the [time that it took](Method::time_taken), if the
@@ -40,7 +35,7 @@ pub(in crate::run) fn part<Y: System<f64, D>, S: Method, const D: usize>(
     bodies: &mut BodiesOf<Y, f64, D>,
     memory: &mut [f64],
     witness: &mut dyn Hears<f64>,
-    flows: bool,
+    flows: Chosen,
     before: &mut Saved<Y::Count, f64, D>,
 ) -> Result<Option<f64>, Trouble> {
     system.put_aside(bodies, before);

@@ -10,7 +10,7 @@ use crate::motion::failure::Failure;
 use crate::motion::identity::Identity;
 use crate::motion::method::Method;
 use crate::motion::state::{Remembered, State};
-use crate::motion::stir::{draws, step};
+use crate::motion::stir::{Chosen, draws, step};
 use crate::motion::system::System;
 use crate::motion::witness::{Hears, Witness};
 use crate::number::clock::{later, steps_to};
@@ -428,11 +428,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let Events { meet, search, start, aside, .. } = events;
         self.system.put_aside(&self.before, start);
         let (system, method, bodies) = (&self.system, &self.method, &mut self.bodies);
-        let (flows, halvings, parts, heard) = (!draws(system), least..=most, None, true);
+        let (flows, halvings, parts, heard) = (Chosen::inside(system), least..=most, None, true);
         let mut stretch =
             Stretch { system, method, bodies, start, noise, aside, witness, heard, halvings, flows, parts };
         let number = match flows {
-            true => {
+            Chosen::All => {
                 // An edge that is to be crossed is found in the whole step.
                 let divides = |failure: &Failure| {
                     most > 0 && !(search.over_kinks && matches!(failure.cause, StepFailure::Kink { .. }))
@@ -442,7 +442,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
                 let went = went.unwrap_or_else(|| stretch.go(method.step_size().abs()));
                 meet(search, &mut stretch, went)
             }
-            false => stretch.between_flows(|stretch, went| meet(search, stretch, went)),
+            _ => stretch.between_flows(|stretch, went| meet(search, stretch, went)),
         }?;
         let parts = stretch.parts;
         events.number += number;

@@ -19,7 +19,7 @@
 use crate::effect::interval::Half;
 use crate::motion::capability::Rates;
 use crate::motion::method::{Method, Splitting};
-use crate::motion::stir::{SHORTLY, push};
+use crate::motion::stir::{Chosen, SHORTLY, push_some};
 use crate::motion::system::System;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::run::events::stretch::Stretch;
@@ -68,7 +68,10 @@ impl<const D: usize> Search<D> {
         if leads_back(stretch, time, rates, None) {
             return true;
         }
-        if const { Y::FLOWS == 0 } || !stretch.flows || !ask_flows(stretch, SHORTLY * time, flows) {
+        if const { Y::FLOWS == 0 }
+            || stretch.flows == Chosen::None
+            || !ask_flows(stretch, SHORTLY * time, flows)
+        {
             return false;
         }
         flows.iter_mut().zip(&*rates).for_each(|(both, rate)| *both = sum(both, rate));
@@ -84,10 +87,10 @@ fn ask_flows<Y: System<f64, D>, S: Method, const D: usize>(
     h: f64,
     rates: &mut [[f64; D]],
 ) -> bool {
-    let Stretch { system, ref mut bodies, ref mut aside, .. } = *stretch;
+    let Stretch { system, ref mut bodies, ref mut aside, flows, .. } = *stretch;
     let noise = bodies.noise;
     system.put_aside(bodies, &mut aside[0]);
-    let pushed = push(Half::Before, h, system, bodies);
+    let pushed = push_some(flows, Half::Before, h, system, bodies);
     let before = aside[0].p.as_ref();
     for ((rate, p), before) in rates.iter_mut().zip(bodies.p.as_ref()).zip(before) {
         *rate = scaled(1.0 / h, &add_scaled(p, -1.0, before));

@@ -7,7 +7,7 @@ use crate::motion::bodies::Saved;
 use crate::motion::course::check;
 use crate::motion::method::Method;
 use crate::motion::parts::BodiesOf;
-use crate::motion::stir::stir;
+use crate::motion::stir::{Chosen, stir_some};
 use crate::motion::system::System;
 use crate::motion::witness::Hears;
 use crate::run::seldom::{part, seldom};
@@ -23,7 +23,7 @@ pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usi
     pub(in crate::run) bodies: &'a mut BodiesOf<Y, f64, D>,
     /// Where the stretch begins.
     pub(in crate::run) start: &'a mut Saved<Y::Count, f64, D>,
-    /// Which random numbers come first there.
+    /// Chosen random numbers come first there.
     pub(in crate::run) noise: Noise,
     /// Room for two more places, and for both ends of a stretch that is looked at in parts.
     pub(in crate::run) aside: &'a mut [Saved<Y::Count, f64, D>; 4],
@@ -32,8 +32,8 @@ pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usi
     pub(in crate::run) heard: bool,
     /// How often a try is halved at least, and where it fails at most.
     pub(in crate::run) halvings: RangeInclusive<u32>,
-    /// Whether flows act inside it, and not around the whole step.
-    pub(in crate::run) flows: bool,
+    /// Chosen flows act inside it, and not around the whole step.
+    pub(in crate::run) flows: Chosen,
     /// In how many parts the last try went; none if nothing was tried but the whole step.
     pub(in crate::run) parts: Option<u32>,
 }
@@ -76,11 +76,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
     ) -> Result<u64, Trouble> {
         let h = self.method.step_size();
         self.go_back();
-        stir(Half::Before, 0.5 * h, self.system, self.bodies)?;
+        stir_some(Chosen::Drawing, Half::Before, 0.5 * h, self.system, self.bodies)?;
         self.begin();
         let went = self.go(h.abs());
         let met = meet(self, went)?;
-        stir(Half::After, 0.5 * h, self.system, self.bodies)?;
+        stir_some(Chosen::Drawing, Half::After, 0.5 * h, self.system, self.bodies)?;
         Ok(met)
     }
 
