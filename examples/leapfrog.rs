@@ -7,8 +7,10 @@
 //! A lecture note on symplectic methods runs this leapfrog from x = π/2, p = 0 with the two derivatives swapped:
 //! `dHdx(p) = p` and `dHdp(θ) = sin θ`. What it then integrates is ẋ = sin p, ṗ = −x: the angle sits in `p` and the
 //! momentum, up to sign, in `x`. It is a pendulum too, but another one: it starts at the bottom with momentum −π/2
-//! instead of at rest at the angle π/2. Its second run, by a package, is right: the composition of order 10 by
-//! Sofroniou and Spaletta with steps of 1.2 until t = 50.
+//! instead of at rest at the angle π/2. Its code also hands the derivatives times that are half a step and a whole step
+//! late, which nothing here depends on, and its unit of momentum is m L^{3/2} √g (there: over √g). Its runs by a
+//! package are right: leapfrog, and the composition of order 10 by Sofroniou and Spaletta with steps of 1.2 until t =
+//! 50.
 //!
 //! ```text
 //! cargo run --release --example leapfrog          # then open out/leapfrog/*.svg

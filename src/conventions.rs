@@ -38,5 +38,11 @@
 //! | Hairer–Lubich–Wanner, Leimkuhler–Reich, Mici | q̈ = −∇U − ∇g λ | −λ |
 //! | McLachlan–Modin–Verdier–Wilkins | ż = X_H + X_g λ, X_g = (∂g/∂p, −∂g/∂q) | −λ |
 //! | the notebook “Billiards on surfaces”, text | q̈ = −∇U + ∇g λ | λ |
+//! | the same, text: position of leapfrog | qₙ₊₁ = qₙ − h M⁻¹p | qₙ + h M⁻¹p |
+//! | the same, its code: pair force | +∇U, which keeps K − U | −∇U |
 //! | the same, its code: position | q̈ = −∇U − ∇g λ | −λ |
 //! | the same, its code: momentum, without h/2 | p = p̂ − ∇g μ | −(2/h) μ |
+//! | slides on Geometric RATTLE, pendulum with g = \|q\|² − 1 | ṗ = −∂H/∂q − λq | −λ/2 |
+//! | the same, along its fibre | p + λq | λ/h |
+//! | pyoomph's pendulum, Lagrange's equations | ∂L/∂x − d/dt ∂L/∂ẋ + λ ∂g/∂x = 0 | λ |
+//! | the same, equations of motion and code | m ẍ = −λ x/r | −λ |

@@ -18,7 +18,7 @@ use crate::systems::network::constraints::{Masses, Network};
 use crate::systems::network::group::Links;
 use crate::systems::network::mass::Mass;
 use crate::systems::network::tie::Tie;
-use crate::systems::phase::PhaseSpace;
+use crate::systems::phase::{PhaseSpace, Unconstrained};
 use crate::systems::rigid::Rigid;
 use crate::systems::surface::kept::{OnSurface, OneByOne};
 use std::marker::PhantomData;
@@ -110,6 +110,36 @@ impl Scene<(), (), One, 0> {
         H: Hamiltonian<D>,
     {
         Scene { constraint: PhaseSpace { constraint, hamiltonian }, effects: (), count: One }
+    }
+
+    /// One body with the energy H(q, p) alone: q̇ = ∂H/∂p, ṗ = −∂H/∂q. [`Rattle`](crate::methods::rattle::Rattle) is
+    /// the Störmer–Verlet step of H here, which is leapfrog for H = T(p) + U(q), and symplectic for any H; compositions
+    /// raise its order.
+    ///
+    /// ```
+    /// use rattle::prelude::*;
+    ///
+    /// hamiltonian! {
+    ///     /// A pendulum of length and mass 1, by its angle.
+    ///     struct Pendulum { g }
+    ///     |phi, p| p^2 / 2 - g * cos(phi)
+    /// }
+    ///
+    /// let start = State::at([3.0]).moving([0.0]);
+    /// let mut simulation = Scene::hamiltonian(Pendulum { g: 9.81 }).simulate(start, Rattle::new(0.01))?;
+    /// simulation.run(100_000)?;
+    /// assert!(simulation.energy_error().abs() < 1e-3 * 9.81);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    #[doc(alias = "leapfrog")]
+    #[doc(alias = "Hamiltonian system")]
+    pub fn hamiltonian<H, const D: usize>(
+        hamiltonian: H,
+    ) -> Scene<PhaseSpace<Unconstrained, H, 0>, (), One, D>
+    where
+        H: Hamiltonian<D>,
+    {
+        Self::in_phase_space(Unconstrained, hamiltonian)
     }
 
     /// One rigid body that turns about its centre of mass.

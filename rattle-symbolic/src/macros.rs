@@ -113,21 +113,7 @@ impl Macro {
                     problems.note_at(&first.name, message);
                 }
             }
-            (Macro::Hamiltonian | Macro::PhaseConstraint, variables @ [first, ..]) => {
-                let message =
-                    "expected coordinates and momenta of one shape, as in `|q: [f64; 2], p: [f64; 2]|`";
-                match variables {
-                    [p, q] if is_momentum(&p.name.to_string()) && is_coordinate(&q.name.to_string()) => {
-                        let message =
-                            format!("coordinates come first, then momenta: write `|{}, {}|`", q.name, p.name);
-                        problems.note_at(&p.name, message);
-                    }
-                    [q, p] if q.shape == p.shape => {}
-                    [_, p] => problems.note_at(&p.name, message),
-                    [_, _, third, ..] => problems.note_at(&third.name, message),
-                    _ => problems.note_at(&first.name, message),
-                }
-            }
+            (Macro::Hamiltonian | Macro::PhaseConstraint, variables) => check_halves(variables, problems),
             _ => {}
         }
     }
@@ -145,6 +131,37 @@ impl Macro {
 
 /// What the time is called, where a variable can be the time.
 const TIME: &str = "t";
+
+/// Notes what is no half of coordinates before a half of momenta: one array each, or in more than two variables the
+/// same shapes again, whose names tell them apart, since an order as in `|x, px, y, py|` has the same shapes.
+fn check_halves(variables: &[Variable], problems: &mut Problems) {
+    let (coordinates, momenta) = variables.split_at(variables.len() / 2);
+    let several = variables.len() > 2;
+    let is_momentum = if several { has_p } else { is_momentum }; // in `|u, v, pu, pv|` v is a coordinate
+    let is_p = |variable: &&Variable| is_momentum(&variable.name.to_string());
+    let is_q = |variable: &Variable| is_coordinate(&variable.name.to_string());
+    if let Some(early) = coordinates.iter().find(is_p)
+        && (several || momenta.iter().any(is_q))
+    {
+        let order = in_order(variables, is_momentum).unwrap_or("|q, p|".to_owned());
+        let message = format!("coordinates come first, then momenta: write `{order}`");
+        return problems.note_at(&early.name, message);
+    }
+    let other = match (coordinates, momenta) {
+        ([q], [p]) => (q.shape != p.shape).then_some(p),
+        _ if coordinates.len() < momenta.len() => momenta.last(),
+        _ => {
+            let mut pairs = coordinates.iter().zip(momenta);
+            pairs.find(|(q, p)| q.shape != p.shape || !is_p(p)).map(|(_, p)| p)
+        }
+    };
+    if let Some(other) = other {
+        problems.note_at(
+            &other.name,
+            "expected coordinates and momenta of one shape, as in `|q: [f64; 2], p: [f64; 2]|`, or by numbers `|x, y, px, py|`",
+        );
+    }
+}
 
 /// Notes a time that is not the last variable, no number, or the only variable of a potential.
 fn check_time(variables: &[Variable], problems: &mut Problems) {
@@ -207,7 +224,12 @@ fn is_velocity(name: &str) -> bool {
 
 /// Whether what belongs to coordinates on phase space is called so, and not a coordinate: `p`, `px`, `momentum`, `v`.
 fn is_momentum(name: &str) -> bool {
-    is_called(name, "p", &["momentum", "momenta"]) || is_velocity(name)
+    has_p(name) || is_velocity(name)
+}
+
+/// Whether a momentum is called so: `p`, `px`, `p_left`, `momentum`.
+fn has_p(name: &str) -> bool {
+    is_called(name, "p", &["momentum", "momenta"])
 }
 
 /// Whether a coordinate is called so: `q`, `q0`, `x`, `x_left`, `position`.

@@ -49,5 +49,13 @@ hamiltonian! {
     pub struct Crowded {}
     |q, p, t| p^2 / 2 + q * t
 }
+hamiltonian! {
+    pub struct Turns {}
+    |x, px, y, py| (px^2 + py^2) / 2 + x * y
+}
+hamiltonian! {
+    pub struct Unnamed {}
+    |x, y, u, v| (u^2 + v^2) / 2 + x * y
+}
 
 fn main() {}

@@ -10,6 +10,8 @@ mod common;
 mod compositions;
 #[path = "../dop853.rs"]
 mod dop853;
+#[path = "../hamiltonians.rs"]
+mod hamiltonians;
 #[path = "../lobatto.rs"]
 mod lobatto;
 #[path = "../lobatto_ends.rs"]

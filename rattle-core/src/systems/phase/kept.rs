@@ -26,25 +26,69 @@
 //! Where N becomes singular the motion ends; for one equation |N| falls like √(t* − t). A step within which N changes
 //! by half of itself is refused.
 //!
+//! Without equations a step is Φₕ alone: of an energy T(p) + U(q) leapfrog, of others an implicit equation for p½ and
+//! one for q′, which are solved to rounding.
+//!
 //! H is reported as kinetic energy; the shadow energy is NaN.
 //!
 //! Source: R. McLachlan, K. Modin, O. Verdier, M. Wilkins, *Geometric generalisations of SHAKE and RATTLE*, Found.
 //! Comput. Math. 14 (2014) 339.
 
+use crate::kernel::functions::{PhaseConstraint, PhaseConstraintKernel};
 use crate::motion::bodies::{Bodies, Body, Count};
+use crate::number::real::Real;
 use crate::solve::aim::{Aim, Pace};
 use crate::systems::phase::point::Point;
 
 /// What messages call such a system.
 pub(super) const IN_PHASE_SPACE: &str = "a system in phase space";
+
 /// M equations g(q, p) = 0 and an energy H(q, p), of a scene made by
-/// [`Scene::in_phase_space`](crate::scene::Scene::in_phase_space).
+/// [`Scene::in_phase_space`](crate::scene::Scene::in_phase_space), or no equation, by
+/// [`Scene::hamiltonian`](crate::scene::Scene::hamiltonian).
 #[derive(Debug, Clone, Copy)]
 pub struct PhaseSpace<G, H, const M: usize> {
     /// g.
     pub constraint: G,
     /// H.
     pub hamiltonian: H,
+}
+
+/// No constraint, for a [Hamiltonian alone](crate::scene::Scene::hamiltonian).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unconstrained;
+
+impl<const D: usize> PhaseConstraint<D, 0> for Unconstrained {
+    type Kernel<T: Real> = Self;
+
+    fn kernel_of_lanes<'a, T: Real>(_: impl Fn(usize) -> &'a Self) -> Self
+    where
+        Self: 'a,
+    {
+        Self
+    }
+    fn map_kernel<T: Real, U: Real>(_: &Self, _: impl Fn(&T) -> U) -> Self {
+        Self
+    }
+}
+
+impl<T: Real, const D: usize> PhaseConstraintKernel<T, D, 0> for Unconstrained {
+    #[inline(always)]
+    fn value(&self, _: &[T; D], _: &[T; D]) -> [T; 0] {
+        []
+    }
+    #[inline(always)]
+    fn jacobians(&self, _: &[T; D], _: &[T; D]) -> ([[T; D]; 0], [[T; D]; 0]) {
+        ([], [])
+    }
+    #[inline(always)]
+    fn value_and_jacobians(&self, _: &[T; D], _: &[T; D]) -> ([T; 0], [[T; D]; 0], [[T; D]; 0]) {
+        ([], [], [])
+    }
+    #[inline(always)]
+    fn hessian_vector(&self, _: &[T; D], _: &[T; D], _: &[T; D], _: &[T; D]) -> ([[T; D]; 0], [[T; D]; 0]) {
+        ([], [])
+    }
 }
 
 /// Bodies in phase space, each with its own g and H.

@@ -9,4 +9,4 @@ pub(crate) mod point;
 pub(crate) mod step;
 mod system;
 
-pub use kept::{InPhaseSpace, PhaseSpace};
+pub use kept::{InPhaseSpace, PhaseSpace, Unconstrained};

@@ -136,7 +136,7 @@ where
     }
 
     fn residuals(&self, bodies: &BodiesOf<N, D, M>, g: &mut [f64]) {
-        for (g, number) in g.chunks_exact_mut(M).zip(0..) {
+        for (g, number) in g.chunks_exact_mut(M.max(1)).zip(0..) {
             let body = bodies.body(number);
             g.copy_from_slice(&self.constraint.value(&body.q, &body.p));
         }
@@ -144,7 +144,7 @@ where
 
     /// The hidden constraint {g, H}.
     fn drift_rates(&self, bodies: &BodiesOf<N, D, M>, rates: &mut [f64]) {
-        for (rates, number) in rates.chunks_exact_mut(M).zip(0..) {
+        for (rates, number) in rates.chunks_exact_mut(M.max(1)).zip(0..) {
             rates.copy_from_slice(&self.hidden(&Point::high(&bodies.body(number))).value);
         }
     }
@@ -240,7 +240,7 @@ where
     }
 
     fn multipliers(&self, bodies: &BodiesOf<N, D, M>, multipliers: &mut [f64]) {
-        for (multipliers, number) in multipliers.chunks_exact_mut(M).zip(0..) {
+        for (multipliers, number) in multipliers.chunks_exact_mut(M.max(1)).zip(0..) {
             let found = self.hidden(&Point::high(&bodies.body(number))).multipliers();
             multipliers.copy_from_slice(&found.unwrap_or([f64::NAN; M]));
         }
