@@ -20,6 +20,8 @@ mod flows_felt;
 mod gas;
 #[path = "../geodesics.rs"]
 mod geodesics;
+#[path = "../geodesics_conjugate.rs"]
+mod geodesics_conjugate;
 #[path = "../geodesics_far.rs"]
 mod geodesics_far;
 #[path = "../heat.rs"]

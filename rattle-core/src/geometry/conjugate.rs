@@ -14,7 +14,8 @@
 //! on opposite sides.
 
 use crate::kernel::functions::ConstraintKernel;
-use crate::kernel::geodesic::{Aim, MISSED, Shot, Try, length, shot};
+use crate::kernel::geodesic::{Aim, MISSED, Shot, Try, length, normal, shot};
+use crate::kernel::jacobi::passes_conjugate;
 use crate::number::vector::{add_scaled, dot, scaled};
 use nalgebra::{DMatrix, DVector};
 
@@ -56,18 +57,20 @@ pub(super) fn settled<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     all.fold(found, |least, other| if shorter(&least, &other) { other } else { least })
 }
 
-/// Whether a geodesic has passed a point conjugate to its start, or an odd number of these: it is not the shortest
-/// then.
+/// Whether a geodesic has passed a point conjugate to its start: it is not the shortest then. It may have, where that
+/// is not known.
 pub(super) fn passes<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     kernel: &K,
     a: &[f64; D],
-    chord: &[f64; D],
     found: &Shot<D>,
 ) -> bool {
-    let aim = Aim::new(kernel, a, chord);
-    let way = Way { unit: found.from, length: found.distance };
-    let end = if found.distance > 0.0 { way.end(&aim) } else { None };
-    end.and_then(|end| Fan::new(&aim, &way, &end, SPREAD[0])).is_some_and(|fan| fan.reflects)
+    let (v, axes) = (scaled(found.distance, &found.from), across([&normal(kernel, a), &found.from]));
+    let passed = match axes.len() {
+        number if number == 0 || found.distance == 0.0 => Some(false), // a curve, or no way
+        1 => passes_conjugate::<K, D, 2>(kernel, a, &v, &axes),
+        _ => passes_conjugate::<K, D, D>(kernel, a, &v, &axes),
+    };
+    passed.unwrap_or(true)
 }
 
 /// The geodesic to which a way leads that ends near b, and near a conjugate point.
@@ -190,8 +193,6 @@ struct Fan<const D: usize> {
     sizes: DVector<f64>,
     turns: DMatrix<f64>,
     rates: DVector<f64>,
-    /// Whether y is a reflection, with axes on the same side of the ways.
-    reflects: bool,
 }
 
 impl<const D: usize> Fan<D> {
@@ -223,16 +224,10 @@ impl<const D: usize> Fan<D> {
                 rate[(j, i)] = per_turn * dot(aside, &turned);
             }
         }
-        let handed = |first: [&[f64; D]; 2], axes: &[[f64; D]]| {
-            let columns = first.into_iter().chain(axes).flatten().copied();
-            DMatrix::from_iterator(D, D, columns).determinant() > 0.0
-        };
-        let alike = handed([&aim.here, &way.unit], &axes) == handed([&aim.there, &end.to], &across);
-        let reflects = (y.determinant() < 0.0) == alike;
         let svd = y.try_svd(true, true, f64::EPSILON, 1000)?;
         let (ends, turns) = (svd.u?, svd.v_t?.transpose());
         let rates = (ends.transpose() * rate * &turns).diagonal();
-        Some(Self { axes, across, ends, sizes: svd.singular_values, turns, rates, reflects })
+        Some(Self { axes, across, ends, sizes: svd.singular_values, turns, rates })
     }
 
     fn is_near_conjugate(&self, way: &Way<D>) -> bool {

@@ -85,7 +85,7 @@ fn between<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     let straight = shoot(kernel, a, &chord);
     if let Ok(shot) = straight
         && shot.distance <= NOT_FAR * length(&chord)
-        && !passes(kernel, a, &chord, &shot)
+        && !passes(kernel, a, &shot)
     {
         return Ok(shot);
     }

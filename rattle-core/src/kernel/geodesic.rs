@@ -235,6 +235,9 @@ pub(crate) fn shot<const D: usize>(v: &[f64; D], (miss, _, speed): &Try<D>) -> S
     Shot { distance: length(v) + dot(&to, miss), from, to }
 }
 
+/// A motion, as a way from a and its velocity, and what goes beside it, as pairs of vectors and their rates.
+pub(crate) type Motion<const D: usize, const N: usize> = [([f64; D], [f64; D]); N];
+
 /// Where the motion from a with the velocity v has come to at time 1, as a way from a, and its velocity there; none
 /// where it is not found.
 fn fly<K: ConstraintKernel<f64, D, 1>, const D: usize>(
@@ -242,14 +245,31 @@ fn fly<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     a: &[f64; D],
     v: &[f64; D],
 ) -> Option<([f64; D], [f64; D])> {
-    let (mut time, mut h, mut now) = (0.0, 1.0, ([0.0; D], *v));
+    let rate = |&[(way, v)]: &Motion<D, 1>| {
+        let q = sum(a, &way);
+        let ([gradient], [bend]) = (kernel.jacobian(&q), kernel.jet(&q, &v).2);
+        [(v, scaled(-bend / dot(&gradient, &gradient), &gradient))]
+    };
+    follow(kernel, a, [([0.0; D], *v)], rate, |_, _| false).map(|([end], _)| end)
+}
+
+/// Follows a motion from a, and what goes beside it, up to time 1, or to the end of a stretch in which something shows
+/// between two neighbouring places; and whether it did. None where the motion is not found.
+pub(crate) fn follow<K: ConstraintKernel<f64, D, 1>, const D: usize, const N: usize>(
+    kernel: &K,
+    a: &[f64; D],
+    start: Motion<D, N>,
+    rate: impl Fn(&Motion<D, N>) -> Motion<D, N>,
+    shows: impl Fn(&Motion<D, N>, &Motion<D, N>) -> bool,
+) -> Option<(Motion<D, N>, bool)> {
+    let (mut time, mut h, mut now) = (0.0, 1.0, start);
     let (mut stretches, mut halvings, mut growth) = (0, 0, 2.0);
-    let close = CLOSE * length(v);
+    let close = CLOSE * length(&start[0].1);
     while stretches < MOST_STRETCHES && halvings < MOST_HALVINGS && time + h > time {
-        match stretch(kernel, a, &now, h, close) {
-            Some(then) if time + h == 1.0 => return Some(then),
+        match stretch(kernel, a, &now, h, close, (&rate, &shows)) {
+            Some((then, shown)) if shown || time + h == 1.0 => return Some((then, shown)),
             // Powers of 2, so that the end is met.
-            Some(then) => {
+            Some((then, _)) => {
                 (time, now, h) = (time + h, then, (growth * h).min(1.0 - time - h));
                 (stretches, halvings, growth) = (stretches + 1, 0, GROWTH.min(2.0 * growth));
             }
@@ -259,54 +279,54 @@ fn fly<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     None
 }
 
-/// A stretch of the motion; none where the extrapolation does not come close.
-fn stretch<K: ConstraintKernel<f64, D, 1>, const D: usize>(
+/// A stretch of the motion, and whether something shows on it; none where the extrapolation does not come close.
+fn stretch<K: ConstraintKernel<f64, D, 1>, const D: usize, const N: usize>(
     kernel: &K,
     a: &[f64; D],
-    start: &([f64; D], [f64; D]),
+    start: &Motion<D, N>,
     h: f64,
     close: f64,
-) -> Option<([f64; D], [f64; D])> {
-    let rate = |(way, v): &([f64; D], [f64; D])| {
-        let q = sum(a, way);
-        let ([gradient], [bend]) = (kernel.jacobian(&q), kernel.jet(&q, v).2);
-        (*v, scaled(-bend / dot(&gradient, &gradient), &gradient))
+    (rate, shows): (&impl Fn(&Motion<D, N>) -> Motion<D, N>, &impl Fn(&Motion<D, N>, &Motion<D, N>) -> bool),
+) -> Option<(Motion<D, N>, bool)> {
+    let plus = |y: &Motion<D, N>, c: f64, f: &Motion<D, N>| -> Motion<D, N> {
+        from_fn(|n| (add_scaled(&y[n].0, c, &f[n].0), add_scaled(&y[n].1, c, &f[n].1)))
     };
-    let plus = |y: &([f64; D], [f64; D]), c: f64, f: &([f64; D], [f64; D])| {
-        (add_scaled(&y.0, c, &f.0), add_scaled(&y.1, c, &f.1))
-    };
+    let half = |y: &Motion<D, N>| y.map(|(way, v)| (scaled(0.5, &way), scaled(0.5, &v)));
     let at_start = rate(start);
-    let floor = ROUNDING * f64::EPSILON * length(&start.1);
-    let (mut row, mut last) = ([([0.0; D], [0.0; D]); DIVISIONS.len()], None);
-    let mut tried = [(f64::INFINITY, *start); DIVISIONS.len()]; // off that before, and found
+    let floor = ROUNDING * f64::EPSILON * length(&start[0].1);
+    let (mut row, mut last) = ([[([0.0; D], [0.0; D]); N]; DIVISIONS.len()], None);
+    let mut tried = [(f64::INFINITY, (*start, false)); DIVISIONS.len()]; // off that before, and found
     for (k, &division) in DIVISIONS.iter().enumerate() {
         let part = h / f64::from(division);
-        let (mut before, mut now) = (*start, plus(start, part, &at_start));
+        let (mut before, mut now, mut shown) = (*start, plus(start, part, &at_start), false);
         for _ in 1..division {
             let next = plus(&before, 2.0 * part, &rate(&now));
+            shown |= shows(&before, &now);
             (before, now) = (now, next);
         }
         let mean = plus(&before, part, &rate(&now));
-        let mut found = (scaled(0.5, &sum(&now.0, &mean.0)), scaled(0.5, &sum(&now.1, &mean.1)));
+        let mut found = plus(&half(&now), 0.5, &mean);
         for j in 0..k {
             let ratio = f64::from(division) / f64::from(DIVISIONS[k - 1 - j]);
             let off = plus(&found, -1.0, &row[j]);
             row[j] = found;
             found = plus(&found, 1.0 / (ratio * ratio - 1.0), &off);
         }
+        shown |= shows(&before, &found);
         // Against the best of the divisions before; neighbours in a row agree by chance.
         let off = last.map_or(f64::INFINITY, |last| distance(&found, &last));
         row[k] = found;
         if off <= (close * h).max(floor) {
-            return Some(found);
+            return Some((found, shown));
         }
         last = Some(found);
-        tried[k] = (off, found);
+        tried[k] = (off, (found, shown));
     }
     // Far from the origin places are rounded by more than velocities are, and no number of divisions comes nearer.
-    let [gradient] = kernel.jacobian(&sum(a, &start.0));
-    let (turned, bent) = turns(kernel, &sum(a, &start.0), &gradient);
-    let rounded = OF_PLACES * turned * bent * dot(&start.1, &start.1) * h;
+    let (way, v) = &start[0];
+    let [gradient] = kernel.jacobian(&sum(a, way));
+    let (turned, bent) = turns(kernel, &sum(a, way), &gradient);
+    let rounded = OF_PLACES * turned * bent * dot(v, v) * h;
     let is_rounding = |off: f64| off <= rounded && turned <= MOST_TURNED;
     tried.into_iter().find(|&(off, _)| is_rounding(off)).map(|(_, found)| found)
 }
@@ -327,8 +347,10 @@ fn turns<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     })
 }
 
-fn distance<const D: usize>(a: &([f64; D], [f64; D]), b: &([f64; D], [f64; D])) -> f64 {
-    largest(&add_scaled(&a.0, -1.0, &b.0)).max(largest(&add_scaled(&a.1, -1.0, &b.1)))
+fn distance<const D: usize, const N: usize>(a: &Motion<D, N>, b: &Motion<D, N>) -> f64 {
+    let off = |a: &[f64; D], b: &[f64; D]| largest(&add_scaled(a, -1.0, b));
+    let pairs = a.iter().zip(b).map(|(a, b)| off(&a.0, &b.0).max(off(&a.1, &b.1)));
+    pairs.fold(f64::NAN, f64::max) // of no numbers none
 }
 
 /// |v|.

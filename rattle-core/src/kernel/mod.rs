@@ -7,6 +7,7 @@ pub mod driven;
 pub mod force_law;
 pub mod functions;
 pub mod geodesic;
+pub(crate) mod jacobi;
 pub mod kinds;
 pub(crate) mod kinks;
 pub mod over;
