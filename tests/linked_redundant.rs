@@ -59,8 +59,16 @@ fn pins([x, y]: [f64; 2]) -> [[f64; 2]; 3] {
 
 /// Three parallel cranks whose ends are on one bar: two of them would do.
 fn linkage(first: [f64; 2]) -> Scene<Network<2>, impl Effects<2>, Many, 2> {
-    let scene = Scene::points(6)
+    hung(first, 0)
+}
+
+/// The same with a chain of so many rods at the last end. From seven equations on elimination is what does the work if
+/// nothing speaks against it.
+fn hung(first: [f64; 2], rods: usize) -> Scene<Network<2>, impl Effects<2>, Many, 2> {
+    let chain: Vec<_> = (0..rods).map(|i| [5 + i, 6 + i]).collect();
+    let scene = Scene::points(6 + rods)
         .link(Rod { length: 1.0 }, [[0, 3], [1, 4], [2, 5]])
+        .link(Rod { length: 1.0 }, chain)
         .link(Rod { length: 2.0 }, [[3, 5]])
         .link(Halfway {}, [[3, 5, 4]])
         .with(PlanarGravity { g: 9.81 });
@@ -74,6 +82,15 @@ fn turning(first: [f64; 2], write: impl Fn(f64) -> f64) -> State<2> {
     let still = [[0.0; 2]; 3];
     State::of(pins(first).into_iter().chain(ends))
         .with_momenta(still.into_iter().chain([[write(-sin), write(cos)]; 3]))
+}
+
+/// Places with a chain of so many rods at the last.
+fn with_chain(mut places: Vec<[f64; 2]>, rods: usize) -> Vec<[f64; 2]> {
+    for _ in 0..rods {
+        let [x, y] = places[places.len() - 1];
+        places.push([x + 0.6, y - 0.8]);
+    }
+    places
 }
 
 fn exactly(x: f64) -> f64 {
@@ -258,10 +275,14 @@ fn stages_take_no_more_equations_than_the_start() {
 fn starts_that_are_far_off_move() {
     let (first, exact) = ([5e5, 5e6], turning([5e5, 5e6], exactly));
     let far = [5e6, 5e7];
-    let mut places: Vec<_> = turning(far, exactly).positions().map(|q| [q.x, q.y]).collect();
-    let (sin, cos) = (4.5e-3_f64 - 2.0).sin_cos();
-    places[4] = [pins(far)[1][0] + cos, pins(far)[1][1] + sin];
-    assert_eq!(linkage(far).simulate(State::of(places), Rattle::new(0.01)).unwrap().freedom(), 1);
+    for (off, rods) in [4.5e-3_f64, 2e-3].into_iter().flat_map(|off| (0..4).map(move |rods| (off, rods))) {
+        let mut places: Vec<_> = turning(far, exactly).positions().map(|q| [q.x, q.y]).collect();
+        let (sin, cos) = (off - 2.0).sin_cos();
+        places[4] = [pins(far)[1][0] + cos, pins(far)[1][1] + sin];
+        let start = State::of(with_chain(places, rods));
+        let simulation = hung(far, rods).simulate(start, Rattle::new(0.01)).unwrap();
+        assert_eq!(simulation.freedom(), 1 + rods, "{off:e}, {rods}");
+    }
     let speeds = [0.0, 4e-6, 4e-5, 4e-4].map(|off| {
         let mut places: Vec<_> = exact.positions().map(|q| [q.x, q.y]).collect();
         let (sin, cos) = (off - 2.0_f64).sin_cos();
@@ -324,7 +345,7 @@ fn short_rods_leave_other_momenta_checked() {
     assert!(matches!(error, Error::Start { cause: StartFailure::NotAlong { .. }, .. }), "{error}");
 }
 
-/// What rounding does to a normal is found once for each, however many are turned by more than is tolerated.
+/// Chains far away whose normals are turned by more than is tolerated are checked and projected.
 #[test]
 fn long_chains_far_away_are_checked() {
     let (n, length) = (3000, 1e-3);
@@ -335,6 +356,29 @@ fn long_chains_far_away_are_checked() {
     let start = State::of(places.collect::<Vec<_>>()).with_momenta(momenta.collect::<Vec<_>>());
     scene.simulate(start.clone(), Rattle::new(1e-6)).unwrap();
     scene.project(&start).unwrap();
+}
+
+/// What rounding does to the normals beside one is found once for all: a chain twice as long takes twice as many
+/// evaluations. Each takes its own room, which is what is counted.
+#[test]
+fn normals_beside_one_are_looked_at_once() {
+    let [short, long] = [1000, 2000].map(|n| {
+        // A long rod, whose normal is known, and a short one, whose is not, in turn.
+        let rods = (0..n).map(|i| (Rod { length: if i % 2 == 0 { 1.0 } else { 1e-3 } }, [i, i + 1]));
+        let scene = Scene::points(n + 1).link_each(rods.collect::<Vec<_>>());
+        let along = (0..=n).map(|i| i.div_ceil(2) as f64 + 1e-3 * (i / 2) as f64);
+        let places = along.map(|along| [5e3 + 0.8 * along, 5e3 + 0.6 * along]);
+        // Each long rod grows at 2e-9 while all go sideways at 1: sines of 1e-9, where 1e-10 is tolerated.
+        let momenta = (0..=n).map(|i| 2e-9 * i.div_ceil(2) as f64).map(|v| [0.8 * v - 0.6, 0.6 * v + 0.8]);
+        let start = State::of(places.collect::<Vec<_>>()).with_momenta(momenta.collect::<Vec<_>>());
+        let rooms = allocation_counter::measure(|| {
+            let error = scene.simulate(start.clone(), Rattle::new(1e-6)).map(drop).expect_err("rods grow");
+            assert!(matches!(error, Error::Start { cause: StartFailure::NotAlong { .. }, .. }), "{error}");
+        });
+        rooms.count_total
+    });
+    // Of all for each it would be four times as many.
+    assert!(short > 1000 && 2 * long < 5 * short, "{short} and {long}");
 }
 
 /// Near the origin terms of g are as large as what is pinned.
@@ -424,25 +468,35 @@ fn light_joints_that_are_off_hold() {
             .link(Beside { by: 1.0 }, [[1, 2]])
             .pin(0, [away, 0.0]);
         let start = State::of([[away, 0.0], [away + 1.0, 0.0], [away + 2.0 + 4e-4, 0.0]]);
-        let simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
+        let mut simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
         assert_eq!(simulation.freedom(), 2, "{light:e}");
+        simulation.run(10).unwrap();
+        let places: Vec<_> = simulation.positions().collect();
+        for off in [(places[1] - places[0]).norm() - 1.0, places[2].x - places[1].x - 1.0] {
+            assert!(off.abs() <= 4.0 * f64::EPSILON * away, "{light:e}: {off:e}");
+        }
     }
 }
 
 /// `project` moves a mechanism by no more than it is off, along its motion too.
 #[test]
 fn linkages_are_not_projected_along_their_motion() {
-    for at in [[0.0, 0.0], [1e4, 2e4]] {
-        for (r, turned) in [(1e-4, 2e-6), (1e-3, 2e-6), (1e-3, 5e-6), (1e-2, 2e-6), (1e-2, 2e-5)] {
-            let (scene, start) = (linkage(at), turning(at, exactly));
+    let near = [(1e-4, 2e-6), (1e-3, 2e-6), (1e-3, 5e-6), (1e-2, 2e-6), (1e-2, 2e-5)];
+    let far = [(0.03, 2e-3), (0.1, 2e-3), (0.1, 2e-5)];
+    for (at, rods) in [[0.0, 0.0], [1e4, 2e4]].into_iter().flat_map(|at| [0, 1, 4].map(|rods| (at, rods))) {
+        for (r, turned) in near.into_iter().chain(far) {
+            let (scene, start) = (hung(at, rods), turning(at, exactly));
             let (sin, cos) = (-2.0_f64 + turned).sin_cos();
             let mut places: Vec<_> = start.positions().map(<[f64; 2]>::from).collect();
             let pin = places[1];
             places[4] = [pin[0] + (1.0 + r) * cos, pin[1] + (1.0 + r) * sin];
+            let places = with_chain(places, rods);
             let state = scene.project(&State::of(places.clone())).unwrap();
             let moved = state.positions().zip(&places).map(|(q, from)| (q - SVector::from(*from)).norm());
             let moved = moved.fold(0.0, f64::max);
-            assert!(moved < 4.0 * r, "{r:e}, {turned:e}: moved by {moved:e}");
+            assert!(moved < 4.0 * r, "{r:e}, {turned:e}, {rods}: moved by {moved:e}");
+            let simulation = scene.simulate(state, Rattle::new(0.01)).unwrap();
+            assert_eq!(simulation.freedom(), 1 + rods, "{r:e}, {turned:e}, {rods}");
         }
     }
 }

@@ -83,13 +83,16 @@ fn pins() {
             Scene::points(2).pin(0, [pin, 0.0, 0.0]).simulate(start, Rattle::new(0.01)).map(drop)
         });
     }
-    // A link between two pins holds, or not: as two ends that can move, by the largest coordinate.
-    let off = |cause: &StartFailure| !matches!(cause, StartFailure::Pinned { .. });
-    check("between pins", off, |part| {
-        let end = [0.0, 4.0 + 2.0_f64.sqrt() * 4.0 * part * START_TOLERANCE, 0.0];
-        let scene = Scene::points(3).link(Rod { length: 4.0 }, [[0, 1]]).pin(0, [0.0; 3]).pin(1, end);
-        scene.simulate(State::of([[0.0; 3], end, [1.0, 0.0, 0.0]]), Rattle::new(0.01)).map(drop)
-    });
+    // A link between two pins holds, or not: as between two ends that can move, by its length if that is less than
+    // coordinates are.
+    let off = |cause: &StartFailure| matches!(cause, StartFailure::BetweenPins { .. });
+    for (from, length) in [(0.0, 4.0), (4e3, 4.0), (1.0, 1e-2)] {
+        check("between pins", off, |part| {
+            let end = [0.0, from + length + length * part * START_TOLERANCE, 0.0];
+            let scene = Scene::points(3).link(Rod { length }, [[0, 1]]).pin(0, [0.0, from, 0.0]).pin(1, end);
+            scene.simulate(State::of([[0.0, from, 0.0], end, [1.0, 0.0, 0.0]]), Rattle::new(0.01)).map(drop)
+        });
+    }
 }
 
 /// What is pinned is put onto its pin: an equation must hold there, and not where a state has it within what is

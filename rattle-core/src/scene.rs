@@ -322,8 +322,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     }
 
     /// The state with every position moved onto the constraints, by Newton's method along their gradients, and
-    /// every momentum made tangent. On a surface, a body on an edge over which its momentum leads is put on the face
-    /// beyond, by some roundings, if the momentum is more nearly tangent to that one.
+    /// every momentum made tangent. Linked bodies move by their masses, or, where that leads to no place, as if all
+    /// were 1: light bodies between heavy ones are thrown far by theirs. On a surface, a body on an edge over which its
+    /// momentum leads is put on the face beyond, by some roundings, if the momentum is more nearly tangent to that one.
     ///
     /// # Errors
     /// [`Error::Start`] where no such position is found, the input is not finite, or momenta of a rigid body are more

@@ -14,6 +14,10 @@ mod linked_edges;
 mod linked_ends;
 #[path = "../linked_errors.rs"]
 mod linked_errors;
+#[path = "../linked_metric.rs"]
+mod linked_metric;
+#[path = "../linked_projections.rs"]
+mod linked_projections;
 #[path = "../linked_redundant.rs"]
 mod linked_redundant;
 #[path = "../linked_sizes.rs"]

@@ -138,7 +138,8 @@ pub enum StartFailure {
     },
     /// Equations that contradict each other near the start.
     #[error(
-        "{equation} contradicts the others: near the start it stays off by {distance:.3e} where they hold"
+        "{equation} contradicts the others: near the start it stays off by {distance:.3e} where they hold; or they lie in \
+         one line, and hold beside it: start beside it"
     )]
     Contradictory {
         /// Which equation.

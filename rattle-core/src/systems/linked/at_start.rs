@@ -2,11 +2,14 @@
 
 use crate::kernel::rounding::{NOISY, rounding_of_g};
 use crate::motion::bodies::Body;
-use crate::motion::start::{MAX_HALVINGS, RUNS_AWAY, has_square, length_of};
+use crate::motion::start::{MAX_HALVINGS, RUNS_AWAY, allowed, has_square, length_of};
 use crate::motion::state::State;
-use crate::number::vector::add_scaled;
+use crate::number::vector::{add_scaled, largest};
 use crate::solve::aim::ROUNDINGS;
 use crate::systems::network::shape::Shape;
+
+/// The group of an equation, its member, and its number among those of the member.
+pub(super) type Of = (usize, usize, usize);
 
 /// What was found for a component, once for all of its equations.
 #[derive(Debug, Default)]
@@ -77,19 +80,31 @@ impl<const D: usize> Start<D> {
         *self.known.speeds.insert(found)
     }
 
-    /// |∇²g w| of an equation.
-    pub(super) fn bent(
+    /// ∇²g w of an equation, in blocks.
+    pub(super) fn bend(
         &self,
         shape: &Shape<D>,
-        (c, row): (usize, usize),
+        (group, member, equation): Of,
         time: f64,
         way: &[[f64; D]],
+    ) -> Vec<[f64; D]> {
+        shape.groups[group].changes((member, equation), (time, &self.q), way)
+    }
+
+    /// How far it is to where this equation has no normal, by how that changes along itself: |∇g|/|∇²g n|.
+    pub(super) fn singular(
+        &mut self,
+        shape: &Shape<D>,
+        of: Of,
+        time: f64,
+        normals: &[(usize, [f64; D])],
     ) -> f64 {
-        let (group, member, equation) = shape.components[c].rows.find(&shape.groups, row);
-        let links = &shape.groups[group];
-        let (mut bends, mut turns) = (vec![0.0; links.equations()], vec![0.0; links.equations()]);
-        links.bends(member..member + 1, (time, &self.q), (0.0, way), &mut bends, &mut turns);
-        turns[equation].sqrt()
+        // w/|∇g|, whose product with ∇²g can be squared however g is scaled.
+        let length = length_of(normals.iter().flat_map(|(_, normal)| normal));
+        normals.iter().for_each(|(body, n)| self.part[*body] = n.map(|n| n / length / length));
+        let change = self.bend(shape, of, time, &self.part);
+        normals.iter().for_each(|(body, _)| self.part[*body] = [0.0; D]);
+        1.0 / length_of(change.iter().flatten())
     }
 
     pub(super) fn evaluate(&mut self, shape: &Shape<D>, c: usize, time: f64) {
@@ -98,6 +113,7 @@ impl<const D: usize> Start<D> {
         let rates = &mut self.rates[..rows.equations()];
         rates.fill(0.0);
         shape.gradients(c, time, &self.q, g, blocks, rates);
+        self.known = Known::default();
     }
 
     /// Moves a component along [`Self::lift`] from where it is so far off. Where normals nearly vanish that leads far
@@ -124,15 +140,29 @@ impl<const D: usize> Start<D> {
         length_of(blocks.flat_map(|(block, _)| &self.blocks[block]))
     }
 
+    /// The length of the blocks of an equation in the metric of M⁻¹, the first of which has this number.
+    pub(super) fn by_masses(
+        &self,
+        shape: &Shape<D>,
+        (c, row): (usize, usize),
+        (blocks, first): (&[[f64; D]], usize),
+    ) -> f64 {
+        let rows = &shape.components[c].rows;
+        let halves =
+            rows.blocks_of(row).map(|(block, b)| shape.roots[rows.bodies[b]].halve(&blocks[block - first]));
+        length_of(&halves.flatten().collect::<Vec<_>>())
+    }
+
     /// Whether steps can do with the gradient of an equation: with |∇g|², and with that by the masses.
     pub(super) fn has_square(&self, shape: &Shape<D>, c: usize, row: usize) -> bool {
+        let by_masses = self.by_masses(shape, (c, row), (&self.blocks, 0));
+        has_square(self.length(shape, c, row)) && has_square(by_masses)
+    }
+
+    /// The normal of an equation: the bodies that can move, each with its block.
+    pub(super) fn normals(&self, shape: &Shape<D>, c: usize, row: usize) -> Vec<(usize, [f64; D])> {
         let rows = &shape.components[c].rows;
-        let by_masses = |(block, body): (usize, usize)| {
-            let root = &shape.roots[rows.bodies[body]];
-            length_of(&root.halve(&self.blocks[block]))
-        };
-        let by_masses: Vec<f64> = rows.blocks_of(row).map(by_masses).collect();
-        has_square(self.length(shape, c, row)) && has_square(length_of(&by_masses))
+        rows.blocks_of(row).map(|(block, body)| (rows.bodies[body], self.blocks[block])).collect()
     }
 
     /// Whether an equation is off by no more than the rounding of coordinates.
@@ -141,30 +171,64 @@ impl<const D: usize> Start<D> {
         self.g[row].abs() <= f64::EPSILON * terms.size(terms.length())
     }
 
-    /// Whether an equation of coordinates of this size along its normal, with a singular point so far away, is off by
-    /// no more than the rounding of g.
-    #[cold]
-    pub(super) fn is_rounding(
+    /// Whether an equation of a component is off by no more than some roundings, of places or of g.
+    pub(super) fn is_at_rounding(
         &mut self,
         shape: &Shape<D>,
         (c, row): (usize, usize),
         time: f64,
+        singular: f64,
+    ) -> bool {
+        let distance = self.g[row].abs() / self.length(shape, c, row);
+        if distance <= self.rounding_of_places(shape, c) {
+            return true;
+        }
+        let (along, normals) = (self.along(shape, (c, row), &self.q), self.normals(shape, c, row));
+        let of = shape.components[c].rows.find(&shape.groups, row);
+        self.is_rounding(shape, of, time, (&normals, self.g[row]), [along, singular])
+    }
+
+    /// How far off an equation of a component is, and how far it may be beside a step's way; none where it is not
+    /// farther off, or by rounding.
+    pub(super) fn off(
+        &mut self,
+        shape: &Shape<D>,
+        (c, row): (usize, usize),
+        time: f64,
+        (way, singular): (f64, f64),
+    ) -> Option<[f64; 2]> {
+        let distance = self.g[row].abs() / self.length(shape, c, row);
+        let touched = shape.components[c].rows.touched_by(row);
+        let size = touched.map(|(_, body)| largest(&self.q[body])).fold(0.0, f64::max);
+        let tolerance = allowed([size, self.along(shape, (c, row), &self.q)], way, singular);
+        let holds = distance <= tolerance || self.is_at_rounding(shape, (c, row), time, singular);
+        (!holds).then_some([distance, tolerance])
+    }
+
+    /// Whether an equation with these normals and this value, of coordinates of this size along its normal, with a
+    /// singular point so far away, is off by no more than the rounding of g.
+    #[cold]
+    pub(super) fn is_rounding(
+        &mut self,
+        shape: &Shape<D>,
+        (group, member, equation): Of,
+        time: f64,
+        (normals, value): (&[(usize, [f64; D])], f64),
         [size, singular]: [f64; 2],
     ) -> bool {
-        let (q, value, length) = (self.q.clone(), self.g[row], self.length(shape, c, row));
-        let rows = &shape.components[c].rows;
-        let normals: Vec<_> =
-            rows.blocks_of(row).map(|(block, body)| (rows.bodies[body], self.blocks[block])).collect();
+        let links = &shape.groups[group];
+        let length = length_of(normals.iter().flat_map(|(_, normal)| normal));
+        let from: Vec<_> = normals.iter().map(|&(body, _)| self.q[body]).collect();
+        let mut values = vec![0.0; links.equations()];
         let bent = |shift: f64| {
-            for (body, normal) in &normals {
-                self.q[*body] = add_scaled(&q[*body], shift / length, normal);
+            for ((body, normal), q) in normals.iter().zip(&from) {
+                self.q[*body] = add_scaled(q, shift / length, normal);
             }
-            self.evaluate(shape, c, time);
-            ((self.g[row] - value) / length - shift).abs()
+            links.values(member..member + 1, time, &self.q, &mut values);
+            ((values[equation] - value) / length - shift).abs()
         };
         let rounding = rounding_of_g(size, singular, bent);
-        self.q.copy_from_slice(&q);
-        self.evaluate(shape, c, time);
+        normals.iter().zip(from).for_each(|((body, _), q)| self.q[*body] = q);
         value.abs() / length <= NOISY * rounding
     }
 }

@@ -1,10 +1,12 @@
 //! How many equations are independent at a start, and how well it tells the directions of normals.
 
+use crate::motion::start::length_of;
 use crate::number::vector::{dot, largest, scaled};
 use crate::solve::aim::ROUNDINGS;
 use crate::systems::linked::at_start::Start;
 use crate::systems::network::orthogonal::BRANCHING;
 use crate::systems::network::shape::{Component, Shape};
+use crate::systems::network::solver::{CLEARLY, Solver};
 
 /// Normals with a larger sine to those before are independent, whatever a start is off.
 const APART: f64 = 0.1;
@@ -14,32 +16,64 @@ const APART: f64 = 0.1;
 const SECOND_ORDER: f64 = 16.0;
 
 impl<const D: usize> Start<D> {
-    /// By how much this way, if there is one, and some roundings of places may turn a normal.
-    pub(super) fn turned(
+    /// By how much this way, if there is one, and some roundings of places may turn a normal; and by how much in the
+    /// metric of M⁻¹.
+    fn turned_by(
         &mut self,
         shape: &Shape<D>,
         (c, row): (usize, usize),
         time: f64,
         way: Option<&[[f64; D]]>,
-    ) -> f64 {
+    ) -> [f64; 2] {
         let rows = &shape.components[c].rows;
+        let (of, first) = (rows.find(&shape.groups, row), rows.range::<0>(row).start);
+        let length = self.length(shape, c, row);
+        let by_masses = self.by_masses(shape, (c, row), (&self.blocks, 0)) / length;
         // Over |∇g| at once, so that there are squares however g is scaled.
-        let (bodies, over) =
-            (|| rows.touched_by(row).map(|(_, body)| body), 1.0 / self.length(shape, c, row));
+        let (bodies, over) = (|| rows.touched_by(row).map(|(_, body)| body), 1.0 / length);
         let mut part = std::mem::take(&mut self.part);
-        let mut turned = 0.0;
+        let mut turned = [0.0; 2];
+        let mut add = |part: &[[f64; D]]| {
+            let change = self.bend(shape, of, time, part);
+            turned[0] += length_of(change.iter().flatten());
+            turned[1] += self.by_masses(shape, (c, row), (&change, first)) / by_masses;
+        };
         if let Some(way) = way {
             bodies().for_each(|body| part[body] = scaled(over, &way[body]));
-            turned += self.bent(shape, (c, row), time, &part);
+            add(&part);
             bodies().for_each(|body| part[body] = [0.0; D]);
         }
         for (body, i) in bodies().flat_map(|body| (0..D).map(move |i| (body, i))) {
             part[body][i] = over * (f64::EPSILON * self.q[body][i]);
-            turned += self.bent(shape, (c, row), time, &part);
+            add(&part);
             part[body][i] = 0.0;
         }
         self.part = part;
-        ROUNDINGS * turned
+        turned.map(|turned| ROUNDINGS * turned)
+    }
+
+    /// By how much some roundings of places may turn a normal.
+    pub(super) fn turned(&mut self, shape: &Shape<D>, (c, row): (usize, usize), time: f64) -> f64 {
+        self.turned_by(shape, (c, row), time, None)[0]
+    }
+
+    /// By how much the way onto those equations that a component counts, and roundings, may turn each of its normals.
+    /// The way is written.
+    fn turned_on_the_way(
+        &mut self,
+        shape: &mut Shape<D>,
+        c: usize,
+        time: f64,
+        way: &mut [[f64; D]],
+    ) -> Vec<[f64; 2]> {
+        let Shape { components, roots, .. } = &mut *shape;
+        let Component { rows, solver, .. } = &mut components[c];
+        let off: Vec<f64> = self.g[..rows.equations()].iter().map(|g| -g).collect();
+        let mut x = vec![0.0; off.len()];
+        solver.solve(&off, &mut x);
+        rows.bodies.iter().for_each(|&body| way[body] = [0.0; D]);
+        solver.displace(rows, roots, &x, way);
+        (0..off.len()).map(|row| self.turned_by(shape, (c, row), time, Some(way))).collect()
     }
 
     /// By how much roundings of places may turn the normals of those equations that share a body with this one.
@@ -48,7 +82,7 @@ impl<const D: usize> Start<D> {
         let known = self.known.turned.take().unwrap_or_else(|| {
             let mut most = vec![0.0_f64; rows.bodies.len()];
             for row in 0..rows.equations() {
-                let turned = self.turned(shape, (c, row), time, None);
+                let turned = self.turned(shape, (c, row), time);
                 rows.blocks_of(row).for_each(|(_, body)| most[body] = most[body].max(turned));
             }
             most
@@ -60,22 +94,52 @@ impl<const D: usize> Start<D> {
 }
 
 /// Has a component, which has taken its normals over, count those equations alone that are independent of the others
-/// where these hold: their normals are at more than what the place being off and its rounding can turn any by, or a way
-/// onto the others leaves them off. To be limited to no fewer before that.
+/// where these hold: their normals are at more than what the place being off and its rounding can turn any by of which
+/// they are made, or a way onto the others leaves them off. To be limited to no fewer before that.
+///
+/// Elimination counts all. Where its least sine is no more than the way onto all may make of none, a basis, if it
+/// `may`, takes the place of elimination, and stays where it counts fewer.
 pub(super) fn count_independent<const D: usize>(
     shape: &mut Shape<D>,
     c: usize,
     start: &mut Start<D>,
     time: f64,
+    (sine, may): (f64, bool),
 ) {
+    let by_elimination = matches!(shape.components[c].solver, Solver::Elimination(_));
+    if !by_elimination {
+        return count_by_basis(shape, c, start, time);
+    }
+    if !may || sine > CLEARLY {
+        return;
+    }
+    let mut way = std::mem::take(&mut start.lift); // of others it is not looked at
+    let turned = start.turned_on_the_way(shape, c, time, &mut way);
+    start.lift = way;
+    if turned.iter().all(|[_, turned]| *turned < sine) {
+        return;
+    }
+    let Shape { components, roots, .. } = &mut *shape;
+    let Component { rows, solver, .. } = &mut components[c];
+    let elimination = std::mem::replace(solver, Solver::orthogonal(rows));
+    solver.normals(rows, &start.blocks[..rows.blocks()], roots);
+    count_by_basis(shape, c, start, time);
+    let Component { rows, solver, .. } = &mut shape.components[c];
+    if solver.rank(rows) == rows.equations() {
+        *solver = elimination;
+    }
+}
+
+fn count_by_basis<const D: usize>(shape: &mut Shape<D>, c: usize, start: &mut Start<D>, time: f64) {
     let (m, sines) = (shape.components[c].rows.equations(), shape.components[c].solver.sines());
     let above = |least: f64| sines.iter().take_while(|&&sine| sine > least).count();
     let mut counted = above(APART);
     if sines.is_empty() || counted == m {
         return;
     }
+    let (doubtful, made_of) = (counted, shape.components[c].solver.made_of(counted));
     let rounding = start.rounding_of_all(shape, c, &start.q);
-    let (mut x, mut way) = (vec![0.0; m], std::mem::take(&mut start.lift)); // of others it is not looked at
+    let mut way = std::mem::take(&mut start.lift); // of others it is not looked at
     // How far off a start is shows the way onto those that are clearly apart. Some that are not may be by more than it
     // may turn normals by, and count for the way as well.
     let turned = loop {
@@ -83,28 +147,31 @@ pub(super) fn count_independent<const D: usize>(
         let Component { rows, solver, .. } = &mut components[c];
         solver.limit(counted, f64::INFINITY);
         solver.normals(rows, &start.blocks[..rows.blocks()], roots);
-        let off: Vec<f64> = start.g[..m].iter().map(|g| -g).collect();
-        solver.solve(&off, &mut x);
-        rows.bodies.iter().for_each(|&body| way[body] = [0.0; D]);
-        solver.displace(rows, roots, &x, &mut way);
-        let reach = rows.bodies.iter().map(|&body| largest(&way[body])).fold(0.0, f64::max);
-        let turned = (0..m).map(|row| start.turned(shape, (c, row), time, Some(&way))).fold(0.0, f64::max);
-        // What is left of one may be of second order in others from which it follows.
-        let least = (SECOND_ORDER / ROUNDINGS * turned * reach).max(rounding);
+        let turned = start.turned_on_the_way(shape, c, time, &mut way);
         let rows = &shape.components[c].rows;
+        let reach = rows.bodies.iter().map(|&body| largest(&way[body])).fold(0.0, f64::max);
+        // What is left of one may be of second order in others from which it follows.
+        let most = turned.iter().map(|[turned, _]| *turned).fold(0.0, f64::max);
+        let least = (SECOND_ORDER / ROUNDINGS * most * reach).max(rounding);
         let holds = (0..m).all(|row| {
             let change = |(block, body): (usize, usize)| dot(&start.blocks[block], &way[body]);
             let left = start.g[row] + rows.touched_by(row).map(change).sum::<f64>();
             left.abs() <= least * start.length(shape, c, row)
         });
+        // By how much the way may turn a normal away from one that is made of the others.
+        let away = |k: usize| {
+            let parts = made_of[k - doubtful].iter().map(|&(row, times)| times.abs() * turned[row][1]);
+            parts.fold(0.0, f64::max)
+        };
         let next = sines.get(counted).copied().unwrap_or(0.0);
-        if next > turned {
-            counted = above(turned.max(APART * next));
+        let apart = (counted..sines.len()).take_while(|&k| sines[k] > away(k).max(APART * next)).count();
+        if apart > 0 {
+            counted += apart;
         } else if !holds && next > BRANCHING {
             // The next one asks for something of its own, though masses make its sine small.
             counted = above((APART * next).max(BRANCHING)).max(counted + 1);
         } else {
-            break turned;
+            break turned.iter().map(|[_, turned]| *turned).fold(0.0, f64::max);
         }
     };
     start.lift = way;

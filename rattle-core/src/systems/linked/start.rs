@@ -7,8 +7,8 @@ use crate::motion::start::{allowed, finite, length_of};
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest};
 use crate::solve::aim::ROUNDINGS;
-use crate::solve::nearing::Nearing;
-use crate::systems::linked::at_start::{Known, Start, places};
+use crate::solve::stop::Terms;
+use crate::systems::linked::at_start::Start;
 use crate::systems::linked::flight::LOST;
 use crate::systems::linked::independence::count_independent;
 use crate::systems::linked::pull::Rounds;
@@ -16,6 +16,7 @@ use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::dependence::dependence;
 use crate::systems::network::mass::Root;
 use crate::systems::network::orthogonal::{BRANCHING, MOST_EQUATIONS};
+use crate::systems::network::rows::Rows;
 use crate::systems::network::shape::{Component, Shape};
 use crate::systems::network::solver::{CLEARLY, Solver};
 
@@ -38,7 +39,6 @@ pub(crate) fn check<const D: usize>(
     let mut start = Start::of(shape, state);
     for c in 0..shape.components.len() {
         start.evaluate(shape, c, state.time);
-        start.known = Known::default();
         let mut doubtful = None;
         for row in 0..shape.components[c].rows.equations() {
             let looked = check_row(shape, c, row, &mut start, state, h, tangent);
@@ -97,7 +97,6 @@ fn check_row<const D: usize>(
     let rows = &shape.components[c].rows;
     let (value, length) = (start.g[row], start.length(shape, c, row));
     let (mut size, mut speed, mut rate) = (0.0_f64, 0.0, start.rates[row]);
-    let along = start.along(shape, (c, row), &start.q);
     for (block, body) in rows.touched_by(row) {
         size = size.max(largest(&start.q[body]));
         speed += dot(&start.v[body], &start.v[body]);
@@ -110,26 +109,16 @@ fn check_row<const D: usize>(
         return Err(StartFailure::ConstraintNotFinite { value, gradient, position });
     }
 
-    // |∇²g w|/|∇g| along the normal: how far it is to a point without one; and what the rounding of each coordinate makes.
-    // The velocities make room for w/|∇g|, whose product with ∇²g can be squared however g is scaled.
-    let bodies: Vec<_> = rows.blocks_of(row).map(|(_, body)| rows.bodies[body]).collect();
-    let saved: Vec<_> = bodies.iter().map(|&body| start.v[body]).collect();
-    let change = |start: &Start<D>| start.bent(shape, (c, row), state.time, &start.v);
-    for (block, body) in rows.blocks_of(row) {
-        start.v[rows.bodies[body]] = start.blocks[block].map(|n| n / length / length);
-    }
-    let singular = 1.0 / change(start);
-    bodies.iter().for_each(|&body| start.v[body] = [0.0; D]);
+    let (of, normals) = (rows.find(&shape.groups, row), start.normals(shape, c, row));
+    let singular = start.singular(shape, of, state.time, &normals);
     // A coordinate may be as large as it likes where normals do not depend on it.
     let is_near = singular < f64::EPSILON * size / DIRECTION;
     let mut turned = 0.0;
-    for (body, i) in bodies.iter().flat_map(|&body| (0..D).map(move |i| (body, i))).filter(|_| is_near) {
-        start.v[body][i] = f64::EPSILON * start.q[body][i] / length;
-        turned += change(start);
-        start.v[body][i] = 0.0;
-    }
-    for (&body, v) in bodies.iter().zip(saved) {
-        start.v[body] = v;
+    for (body, i) in normals.iter().flat_map(|(body, _)| (0..D).map(move |i| (*body, i))).filter(|_| is_near)
+    {
+        start.part[body][i] = f64::EPSILON * start.q[body][i] / length;
+        turned += length_of(start.bend(shape, of, state.time, &start.part).iter().flatten());
+        start.part[body][i] = 0.0;
     }
     let at = || shape.equation_at(c, row);
     if length == 0.0 || turned > DIRECTION {
@@ -139,12 +128,8 @@ fn check_row<const D: usize>(
     if !start.has_square(shape, c, row) {
         return Err(StartFailure::OutOfScale { equation: Some(at()), gradient: length });
     }
-    let distance = value.abs() / length;
-    let tolerance = allowed([size, along], h.abs() * speed, singular);
-    if distance > tolerance
-        && distance > start.rounding_of_places(shape, c)
-        && !start.is_rounding(shape, (c, row), state.time, [along, singular])
-    {
+    let off = start.off(shape, (c, row), state.time, (h.abs() * speed, singular));
+    if let Some([distance, tolerance]) = off {
         return Err(StartFailure::OffConstraint { equation: at(), distance, tolerance, value });
     }
     let scale = length * speed + start.rates[row].abs();
@@ -152,7 +137,7 @@ fn check_row<const D: usize>(
         return Ok(None);
     }
     // Far away, or of short links, normals are known to fewer digits.
-    let own = start.turned(shape, (c, row), state.time, None);
+    let own = start.turned(shape, (c, row), state.time);
     if rate.abs() <= scale * own || rate.abs() <= length * start.rounding_of_speeds(shape, c) {
         return Ok(None);
     }
@@ -160,6 +145,11 @@ fn check_row<const D: usize>(
     let (sine, tolerance) = (rate.abs() / scale, START_TOLERANCE);
     let cause = StartFailure::NotAlong { equation: at(), rate, sine, tolerance };
     if rate.abs() <= scale * near { Ok(Some(cause)) } else { Err(cause) }
+}
+
+/// Whether a basis may take the place of elimination.
+fn may_take_basis(algebra: LinearAlgebra, rows: &Rows) -> bool {
+    algebra == LinearAlgebra::Automatic && rows.equations() <= MOST_EQUATIONS
 }
 
 /// Has a component take its normals over, by the linear algebra that bears them, if it may choose one. Returns the sine
@@ -175,7 +165,7 @@ fn bear<const D: usize>(
     if !matches!(component.solver, Solver::Elimination(_)) || found.0 > NARROW {
         return Ok(found);
     }
-    if algebra == LinearAlgebra::Automatic && rows.equations() <= MOST_EQUATIONS {
+    if may_take_basis(algebra, rows) {
         component.solver = Solver::orthogonal(rows);
         return Ok(component.solver.normals(rows, blocks, roots));
     }
@@ -201,14 +191,15 @@ fn check_normals<const D: usize>(
     let (borne, weakest) = match bear(component, algebra, &acting, roots) {
         Ok((_, row)) if component.rows.acting => (true, row),
         Err((_, row)) if component.rows.acting => (false, row),
-        Ok(_) => {
-            count_independent(shape, c, start, time);
+        Ok((sine, _)) => {
+            let may = may_take_basis(algebra, &component.rows);
+            count_independent(shape, c, start, time, (sine, may));
             return Ok(());
         }
         Err((sine, row)) => return Err(at(shape, c, row, dependent(shape, c, row, sine))),
     };
     let (rows, blocks) = (&component.rows, &start.blocks[..component.rows.blocks()]);
-    let may_choose = algebra == LinearAlgebra::Automatic && rows.equations() <= MOST_EQUATIONS;
+    let may_choose = may_take_basis(algebra, rows);
     let is_clear = component.solver.chord::<false>(rows, blocks, roots) > CLEARLY * CLEARLY;
     if !is_clear && may_choose && !component.solver.is_orthogonal() {
         component.solver = Solver::orthogonal(rows); // which exchanges rows
@@ -250,7 +241,7 @@ pub(crate) fn project<const D: usize>(
     // What belongs to other components is left alone: the cost is that of all equations, however many components.
     let mut p = Body::momenta(&state.bodies);
     for c in 0..shape.components.len() {
-        let (sine, _) = place(shape, c, algebra, &mut start, state.time)?;
+        let (sine, _) = place_by_some_masses(shape, c, algebra, &mut start, state.time)?;
         let Shape { components, roots, .. } = &mut *shape;
         let component = &mut components[c];
         let (rows, m) = (&component.rows, component.rows.equations());
@@ -279,7 +270,6 @@ pub(crate) fn project<const D: usize>(
                 p[body] = [0.0; D];
             }
         }
-        start.known = Known::default();
         // Rates that no momenta can give: links that move apart, or rounding of normals that fall together.
         let moves = start.rates[..m].iter().any(|&rate| rate != 0.0);
         let Shape { components, roots, .. } = &*shape;
@@ -310,7 +300,62 @@ pub(crate) fn project<const D: usize>(
     Ok(state)
 }
 
-/// Moves a component onto its constraints. Returns the sine of its least independent normal there, and its row.
+/// Has a component take its normals over, and count those that are independent. Returns as [`bear`] does.
+fn take_over<const D: usize>(
+    shape: &mut Shape<D>,
+    c: usize,
+    algebra: LinearAlgebra,
+    start: &mut Start<D>,
+    time: f64,
+) -> Result<(f64, usize), Error> {
+    let Shape { components, roots, .. } = &mut *shape;
+    let component = &mut components[c];
+    component.solver.limit(component.rows.equations(), BRANCHING);
+    let blocks = &start.blocks[..component.rows.blocks()];
+    let found = match bear(component, algebra, blocks, roots) {
+        Ok(found) => found,
+        Err((sine, row)) => return Err(at(shape, c, row, dependent(shape, c, row, sine))),
+    };
+    let may = may_take_basis(algebra, &shape.components[c].rows);
+    count_independent(shape, c, start, time, (found.0, may));
+    Ok(found)
+}
+
+/// Moves a component onto its constraints as its masses have it, or, where that leads to no place, as equal masses do:
+/// bodies that are far lighter than others are thrown aside. Returns as [`bear`] does by the masses there.
+fn place_by_some_masses<const D: usize>(
+    shape: &mut Shape<D>,
+    c: usize,
+    algebra: LinearAlgebra,
+    start: &mut Start<D>,
+    time: f64,
+) -> Result<(f64, usize), Error> {
+    let bodies = shape.components[c].rows.bodies.clone();
+    let from: Vec<_> = bodies.iter().map(|&body| start.q[body]).collect();
+    let error = match place(shape, c, algebra, start, time) {
+        Err(error @ Error::Start { cause: StartFailure::NoPlace { .. }, .. }) => error,
+        other => return other,
+    };
+    if bodies.iter().all(|&body| matches!(shape.roots[body], Root::Unit)) {
+        return Err(error);
+    }
+    bodies.iter().zip(from).for_each(|(&body, q)| start.q[body] = q);
+    let roots: Vec<_> =
+        bodies.iter().map(|&body| std::mem::replace(&mut shape.roots[body], Root::Unit)).collect();
+    let Component { rows, solver, .. } = &mut shape.components[c];
+    let by_equal_masses = match algebra {
+        LinearAlgebra::Orthogonal => Solver::orthogonal(rows),
+        _ => Solver::elimination(rows, &shape.roots),
+    };
+    let by_masses = std::mem::replace(solver, by_equal_masses);
+    let placed = place(shape, c, algebra, start, time);
+    bodies.into_iter().zip(roots).for_each(|(body, root)| shape.roots[body] = root);
+    shape.components[c].solver = by_masses;
+    placed.map_err(|_| error)?;
+    take_over(shape, c, algebra, start, time)
+}
+
+/// Moves a component onto its constraints. Returns as [`bear`] does there.
 fn place<const D: usize>(
     shape: &mut Shape<D>,
     c: usize,
@@ -321,8 +366,8 @@ fn place<const D: usize>(
     let m = shape.components[c].rows.equations();
     let mut x = vec![0.0; m];
     let mut distances: Vec<f64> = Vec::new();
-    let (mut nearing, mut worst) = (Nearing::leaving(f64::INFINITY), 0);
-    for _ in 0..MAX_PROJECTION_STEPS {
+    let (mut last, mut worst) = (f64::INFINITY, 0);
+    loop {
         start.evaluate(shape, c, time);
         let (mut distance, mut there, mut size) = (0.0, true, 0.0_f64);
         for row in 0..m {
@@ -343,15 +388,7 @@ fn place<const D: usize>(
                 (distance, worst) = (off, row);
             }
         }
-        let Shape { components, roots, .. } = &mut *shape;
-        let component = &mut components[c];
-        component.solver.limit(m, BRANCHING);
-        let blocks = &start.blocks[..component.rows.blocks()];
-        let found = match bear(component, algebra, blocks, roots) {
-            Ok(found) => found,
-            Err((sine, row)) => return Err(at(shape, c, row, dependent(shape, c, row, sine))),
-        };
-        count_independent(shape, c, start, time);
+        let found = take_over(shape, c, algebra, start, time)?;
         let Shape { components, roots, .. } = &mut *shape;
         let component = &mut components[c];
         let rows = &component.rows;
@@ -368,28 +405,57 @@ fn place<const D: usize>(
             let cause = StartFailure::ConstraintNotFinite { value: start.g[worst], gradient, position };
             return Err(at(shape, c, worst, cause));
         }
-        let contradicts = distance > START_TOLERANCE * size;
-        // Far off, a distance that is no longer halved may still shrink: light bodies go first. Links contradict each
-        // other where nothing moves any more.
-        let stays = correction <= if contradicts { ROUNDINGS * f64::EPSILON } else { f64::EPSILON } * size;
-        if nearing.look(distance, stays && (there || contradicts), !contradicts).0 {
-            if contradicts {
-                let cause = StartFailure::Contradictory { equation: shape.equation_at(c, worst), distance };
-                return Err(at(shape, c, worst, cause));
-            }
+        // Far off, a distance that is no longer halved may still shrink: light bodies go first. It is the rounding of g
+        // where each equation says so. Links contradict each other where nothing moves any more.
+        let [lingers, stays] = [last <= 2.0 * distance, correction <= ROUNDINGS * f64::EPSILON * size];
+        let last_step = distances.len() == MAX_PROJECTION_STEPS;
+        let arrived =
+            there && correction <= f64::EPSILON * size || lingers && all_hold(shape, c, start, time, true);
+        let may_end = lingers && stays || last_step;
+        let holds = !arrived && (stays || last_step) && all_hold(shape, c, start, time, false);
+        if arrived || holds && may_end {
             return Ok(found);
         }
+        let equation = || shape.equation_at(c, worst);
+        if stays && !holds {
+            return Err(at(shape, c, worst, StartFailure::Contradictory { equation: equation(), distance }));
+        }
+        if last_step {
+            let distances = distances.into_iter().collect::<History>();
+            return Err(at(shape, c, worst, StartFailure::NoPlace { equation: equation(), distances }));
+        }
         distances.push(distance);
+        last = distance;
         start.go(shape, c, time, distance);
     }
-    let equation = shape.equation_at(c, worst);
-    let distances = distances.into_iter().collect::<History>();
-    Err(at(shape, c, worst, StartFailure::NoPlace { equation, distances }))
+}
+
+/// Whether all equations of a component hold as a start has to, or but for rounding.
+fn all_hold<const D: usize>(
+    shape: &Shape<D>,
+    c: usize,
+    start: &mut Start<D>,
+    time: f64,
+    exactly: bool,
+) -> bool {
+    let rows = &shape.components[c].rows;
+    (0..rows.equations()).all(|row| {
+        let (of, normals) = (rows.find(&shape.groups, row), start.normals(shape, c, row));
+        let singular = start.singular(shape, of, time, &normals);
+        if exactly {
+            start.is_at_rounding(shape, (c, row), time, singular)
+        } else {
+            start.off(shape, (c, row), time, (0.0, singular)).is_none()
+        }
+    })
 }
 
 /// Whether links between pinned bodies alone hold.
 fn check_fixed<const D: usize>(shape: &Shape<D>, state: &State<D>) -> Result<(), Error> {
-    let q = places(shape, state);
+    if shape.fixed.is_empty() {
+        return Ok(());
+    }
+    let mut start = Start::of(shape, state);
     let mut topology = (usize::MAX, (Vec::new(), 0));
     for &(group, member) in &shape.fixed {
         let links = &shape.groups[group];
@@ -400,13 +466,20 @@ fn check_fixed<const D: usize>(shape: &Shape<D>, state: &State<D>) -> Result<(),
         let (of, bodies) = (links.equations(), touched[member * arity..][..arity].to_vec());
         let (mut g, mut rates) = (vec![0.0; of], vec![0.0; of]);
         let mut blocks = vec![[0.0; D]; of * arity];
-        links.gradients(member..member + 1, state.time, &q, &mut g, &mut blocks, &mut rates);
-        let size = bodies.iter().map(|&body| largest(&q[body])).fold(0.0, f64::max);
+        links.gradients(member..member + 1, state.time, &start.q, &mut g, &mut blocks, &mut rates);
+        let size = bodies.iter().map(|&body| largest(&start.q[body])).fold(0.0, f64::max);
         for equation in 0..of {
             let blocks = &blocks[equation * arity..][..arity];
             let length = length_of(blocks.iter().flatten());
             let distance = g[equation].abs() / length;
-            if links.moving() || distance.is_nan() || distance > START_TOLERANCE * size {
+            let normals: Vec<_> = bodies.iter().copied().zip(blocks.iter().copied()).collect();
+            let terms = normals.iter().map(|(body, normal)| (normal, start.q[*body], [0.0; D]));
+            let (along, at) = (Terms::of(terms).size(length) / length, (group, member, equation));
+            let singular = start.singular(shape, at, state.time, &normals);
+            let tolerance = allowed([size, along], 0.0, singular);
+            let mut is_rounding =
+                || start.is_rounding(shape, at, state.time, (&normals, g[equation]), [along, singular]);
+            if links.moving() || distance.is_nan() || distance > tolerance && !is_rounding() {
                 let body = bodies[0];
                 let link = links.name();
                 let equation = Box::new(EquationAt { link, group, member, equation, of, bodies });

@@ -57,6 +57,8 @@ pub(crate) trait LinkGroup<const D: usize>: Any + Debug + Send + Sync {
         bends: &mut [f64],
         turns: &mut [f64],
     );
+    /// How the blocks ∂g/∂q of a member's equation change along a direction in space: ∇²g v. Allocates.
+    fn changes(&self, of: (usize, usize), at: (f64, &[[f64; D]]), along: &[[f64; D]]) -> Vec<[f64; D]>;
 
     /// Of all members, row by row: g at these places.
     fn values_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Evaluated<D>]);
@@ -310,6 +312,17 @@ where
                 turns[i] = row[..A * D].iter().map(|h| h * h).sum();
             }
         }
+    }
+
+    fn changes(
+        &self,
+        (member, equation): (usize, usize),
+        (time, q): (f64, &[[f64; D]]),
+        along: &[[f64; D]],
+    ) -> Vec<[f64; D]> {
+        let direction = self.gather(member, along, 0.0);
+        let rows = self.kernel(member).hessian_vector(&self.gather(member, q, time), &direction);
+        rows[equation][..A * D].chunks_exact(D).map(|block| from_fn(|d| block[d])).collect()
     }
 
     fn values_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Evaluated<D>]) {

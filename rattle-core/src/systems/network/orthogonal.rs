@@ -90,6 +90,17 @@ impl<const D: usize> Basis<D> {
         (0..self.rank).map(|k| self.r[k * self.equations + k])
     }
 
+    /// Of what normals the one is made that is the k-th most independent: those before it and itself, by their rows,
+    /// each with how many times it is taken where all have the length 1 in the metric of M⁻¹.
+    pub(crate) fn made_of(&self, k: usize) -> Vec<(usize, f64)> {
+        let (m, mut times) = (self.equations, vec![1.0; k + 1]);
+        for l in (0..k).rev() {
+            let known: f64 = (l + 1..k).map(|j| self.r[l * m + j] * times[j]).sum();
+            times[l] = (self.r[l * m + k] - known) / self.r[l * m + l];
+        }
+        self.order[..=k].iter().copied().zip(times).collect()
+    }
+
     /// Takes the normals over. Returns the sine of the angle of the least independent one to the others, and its row.
     pub(crate) fn normals(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> (f64, usize) {
         (0..self.equations).for_each(|i| self.order[i] = i);

@@ -152,6 +152,14 @@ impl<const D: usize> Solver<D> {
         }
     }
 
+    /// Of what normals those are made that count from the k-th on, by rows, where a basis does the work.
+    pub(crate) fn made_of(&self, from: usize) -> Vec<Vec<(usize, f64)>> {
+        match self.by() {
+            By::Basis(basis) => (from..basis.rank).map(|k| basis.made_of(k)).collect(),
+            By::Elimination(_) | By::Dense(_) => Vec::new(),
+        }
+    }
+
     /// Has a basis count no more equations than so many, but by a sine above this one.
     pub(crate) fn limit(&mut self, most: usize, beyond: f64) {
         match self {
