@@ -32,6 +32,10 @@ mod heat_divided;
 mod impacts;
 #[path = "../impacts_found.rs"]
 mod impacts_found;
+#[path = "../named.rs"]
+mod named;
+#[path = "../common/names.rs"]
+mod names;
 #[path = "../pair_potentials.rs"]
 mod pair_potentials;
 #[path = "../particles.rs"]
