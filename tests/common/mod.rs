@@ -14,6 +14,7 @@ use rattle::prelude::*;
 pub use rattle::surfaces::{Lemniscate, Sphere, Torus, TorusByDistance};
 use std::collections::HashMap;
 use std::f64::consts::FRAC_1_SQRT_2;
+use std::io::Write;
 use std::path::Path;
 
 constraint! {
@@ -78,6 +79,11 @@ pub fn table(name: &str) -> Vec<Row> {
         csv::Reader::from_path(path).unwrap().deserialize().map(|row| Row(row.unwrap())).collect();
     assert!(!rows.is_empty());
     rows
+}
+
+/// Says it to the terminal, also where a test passes, whose prints are kept back.
+pub fn say(text: &str) {
+    std::io::stderr().write_all(format!("{text}\n").as_bytes()).unwrap();
 }
 
 /// The larger number; NaN where one is, which `f64::max` leaves out.
