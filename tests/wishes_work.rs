@@ -1,5 +1,6 @@
 //! Wishes where something does work, and for averages of what grows, by a clock that counts evaluations.
 
+use super::common::larger;
 use super::priced::{Counting, FREE, Forces, NONE, OnSurface, Several, double_pendulum, generated, on};
 use rattle::Error;
 use rattle::bodies::One;
@@ -56,7 +57,7 @@ fn off<E: Effects<3>, M: Method>(
     let mut look = |now: &BoxedSimulation<3>| {
         exact.run(finer).unwrap();
         let off = (now.energy() - exact.energy()).abs();
-        worst = if off <= worst { worst } else { off };
+        worst = larger(worst, off);
         steps += 1;
     };
     planned.simulation.run_with(planned.steps, &mut look).unwrap();
@@ -93,6 +94,12 @@ fn energies_under_drag_are_within_the_wish() {
     }
 }
 
+/// What is told is the error, and no mere bound of it: measured against a reference, with what that one is off by. It
+/// may be larger at instants at which it is not measured, by a tenth.
+fn is_what_is_told(worst: f64, told: f64, reference: f64) -> bool {
+    worst < 1.1 * told && told < 1.1 * worst + 2.0 * reference
+}
+
 /// The errors of the reference are those of the motion, not the difference of two that are off alike.
 #[test]
 fn references_under_drag_know_what_they_are_off_by() {
@@ -101,7 +108,8 @@ fn references_under_drag_know_what_they_are_off_by() {
     let prices: Prices = scene.price(&start(), 5.0).budget(1.0).clock(clock).measure().unwrap();
     let mut checked = 0;
     for row in &prices.rows {
-        let (Some(told), true) = (row.position, row.steps < 20_000 && row.method.order() == 8) else {
+        let (Some(told), true) = (row.position, row.steps < 20_000 && row.method == Candidate::Lobatto5)
+        else {
             continue;
         };
         let mut own = scene.simulate(start(), Lobatto::<5>::new(row.h)).unwrap();
@@ -109,13 +117,15 @@ fn references_under_drag_know_what_they_are_off_by() {
         let mut worst = 0.0_f64;
         own.run_with(row.steps, |now| {
             exact.run(20).unwrap();
-            worst = worst.max((now.position() - exact.position()).norm());
+            worst = larger(worst, (now.position() - exact.position()).norm());
         })
         .unwrap();
-        checked += usize::from(row.method == Candidate::Lobatto5);
-        if row.method == Candidate::Lobatto5 {
-            assert!(worst < 1.1 * told, "told {told:e}, in truth {worst:e}: h = {}\n{prices:#}", row.h);
-        }
+        assert!(
+            is_what_is_told(worst, told, prices.reference_error),
+            "told {told:e}, in truth {worst:e}: h = {}\n{prices:#}",
+            row.h
+        );
+        checked += 1;
     }
     assert!(checked > 2, "{checked}\n{prices:#}");
 }
@@ -170,7 +180,10 @@ fn a_magnetic_field_does_no_work() {
     assert!(prices.predictable.is_some_and(|time| time < chaotic.duration), "{prices}");
     assert!(prices.reference_energy_error.is_none());
     let (told, mut worst) = (planned.to_string(), 0.0_f64);
-    planned.simulation.run_with(planned.steps, |now| worst = worst.max(now.energy_error().abs())).unwrap();
+    planned
+        .simulation
+        .run_with(planned.steps, |now| worst = larger(worst, now.energy_error().abs()))
+        .unwrap();
     assert!(worst > 0.0 && worst <= 1.03 * wish, "{told}, in truth {worst:e}");
 
     // Drag does, beside a field too.
@@ -207,11 +220,15 @@ fn references_under_drag_are_found_where_longer_steps_fail() {
             let mut worst = 0.0_f64;
             own.run_with(row.steps, |now| {
                 exact.run(parts as u64).unwrap();
-                worst = worst.max((now.position() - exact.position()).norm());
+                worst = larger(worst, (now.position() - exact.position()).norm());
             })
             .unwrap();
             let told = row.position.unwrap();
-            assert!(worst < 1.1 * told, "{w}: told {told:e}, in truth {worst:e}: h = {}", row.h);
+            assert!(
+                is_what_is_told(worst, told, prices.reference_error),
+                "{w}: told {told:e}, in truth {worst:e}: h = {}",
+                row.h
+            );
             checked += 1;
         }
     }
@@ -261,7 +278,7 @@ fn positions_by_methods_with_a_tolerance_are_within_the_wish_beyond_the_pilot() 
         let look = |now: &BoxedSimulation<3>| {
             exact.step().unwrap();
             let off = (now.positions().next().unwrap() - exact.position()).norm();
-            farthest = if off <= farthest { farthest } else { off };
+            farthest = larger(farthest, off);
         };
         planned.simulation.run_with(planned.steps, look).unwrap();
         assert!(farthest > 0.0 && farthest <= wish, "{}: {told}, in truth {farthest:e}", scene.name);
@@ -278,7 +295,7 @@ fn energies_by_methods_with_a_tolerance_are_within_the_wish_beyond_the_pilot() {
         let asked = scene.scene.within(wish).in_energy().budget(budget).clock(scene.clock());
         let mut planned = asked.simulate(&scene.start, scene.duration).unwrap();
         let (told, mut worst) = (planned.to_string(), 0.0_f64);
-        let look = |now: &BoxedSimulation<3>| worst = worst.max(now.energy_error().abs());
+        let look = |now: &BoxedSimulation<3>| worst = larger(worst, now.energy_error().abs());
         planned.simulation.run_with(planned.steps, look).unwrap();
         assert!(worst > 0.0 && worst <= wish, "{}: {told}, in truth {worst:e}", scene.name);
         assert!(planned.prices.pilot < 0.1 * scene.duration, "{told}");

@@ -1,6 +1,6 @@
 //! Scenes whose prices are counted: an evaluation costs a microsecond.
 
-use crate::common::{PlanarGravity, Row, billiard_45, table};
+use crate::common::{PlanarGravity, Row, billiard_45, larger, table};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 use rattle::bodies::{Count, Many, One};
@@ -85,14 +85,14 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Counting<C, E, N, D> {
         })
     }
 
-    /// The farthest that a body is from there.
+    /// The farthest that a body is from there; NaN where a number is.
     pub(crate) fn off(&self, now: &BoxedSimulation<D>, truth: &[f64]) -> f64 {
         let now: Vec<f64> = now.positions().flat_map(<[f64; D]>::from).collect();
         let last = &now[now.len() - truth.len()..];
         let bodies = last.chunks(D).zip(truth.chunks(D));
         let distance =
             |(a, b): (&[f64], &[f64])| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-        bodies.map(distance).fold(0.0, f64::max)
+        bodies.map(distance).fold(0.0, larger)
     }
 
     /// All ladders, whole.
