@@ -24,6 +24,8 @@ mod page_data;
 mod page_edges;
 #[path = "../plot.rs"]
 mod plot;
+#[path = "../plot_ticks.rs"]
+mod plot_ticks;
 #[path = "../price_page.rs"]
 mod price_page;
 #[path = "../recorded.rs"]
