@@ -1,8 +1,8 @@
 //! The 3-D page where its numbers are at their ends, opened in headless Chromium.
 
 use crate::page::browser::{self, Browser};
-use crate::page::{ball, keep, opened, pixel};
-use rattle::view::{Page, Scene3};
+use crate::page::{ball, changed, colourful, dot, keep, opened, pixel, settled};
+use rattle::view::{Mesh, Page, Scene3};
 use serde_json::json;
 
 /// Whether something is drawn so far to the right of a body, as high as the first one: `own` is that, and `low` and
@@ -59,6 +59,14 @@ fn trails_go_round_space() {
     assert_eq!(page.complaints, Vec::<String>::new());
 }
 
+/// From now on the page keeps in `written` what texts are drawn: their words, and where.
+fn written(page: &mut Browser) {
+    page.evaluate(
+        "window.written = []; const pens = CanvasRenderingContext2D.prototype, write = pens.fillText; \
+         pens.fillText = function (...text) { written.push(text); return write.apply(this, text) }; 0",
+    );
+}
+
 /// Colours of what is constant but for rounding, which no scale can show: the page draws, and says the number.
 #[test]
 fn a_constant_has_one_colour() {
@@ -76,13 +84,109 @@ fn a_constant_has_one_colour() {
     }
     page.write(&file).unwrap();
     let mut page = opened(&chromium, &file, [1120, 720]);
-    for scene in 0..5 {
-        page.evaluate(&format!("rattle.pause(); rattle.show({scene}); rattle.draw()"));
+    written(&mut page);
+    let mut surfaces = Vec::new();
+    for (scene, number) in ["0.5", "1", "0.98", "123.4", "0.98"].into_iter().enumerate() {
+        page.evaluate(&format!("rattle.pause(); rattle.show({scene}); written.length = 0; rattle.draw()"));
+        // On the scale of the surface and on that of the bodies.
+        let told = page.evaluate("written.map(([text]) => text)");
+        let numbers = told.as_array().unwrap().iter().filter(|text| **text == number).count();
+        assert_eq!(numbers, 2, "{scene}: {told}");
+        // In the middle of the ball, and cells of it beside.
+        surfaces.push([0.0, 0.1, -0.1, 0.23, -0.37].map(|off| {
+            let place = format!("((a, b) => [0, 1].map((i) => (a[i] + b[i] + {off} * (a[0] - b[0])) / 2))");
+            pixel(&mut page, &format!("{place}(rattle.place(0), rattle.place(1))"))
+        }));
         let [left, right] = ["0", "1"].map(|body| pixel(&mut page, &format!("rattle.place({body})")));
         let apart = left.iter().zip(right).map(|(a, b)| a.abs_diff(b)).max();
         assert!(apart < Some(12) && left[3] > 200, "{scene}: {left:?} {right:?}"); // the light differs a little
     }
+    // In the last scene all numbers are the same to the bit.
+    for (scene, surface) in surfaces.iter().enumerate() {
+        assert!(
+            surface == &surfaces[4] && surface.iter().all(|pixel| pixel[3] == 255),
+            "{scene}: {surfaces:?}"
+        );
+    }
     keep(&mut page, "constant");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// A ball with a path around it, rods, a disc, a wall, a box and radii, so far away and so large.
+fn model(title: &str, away: [f64; 3], size: f64) -> Scene3 {
+    let place = |q: [f64; 3]| [0, 1, 2].map(|i| away[i] + size * q[i]);
+    let g = |q: [f64; 3]| {
+        let d = [0, 1, 2].map(|i| q[i] - away[i]);
+        (dot(d, d) - 0.25 * size * size, d.map(|x| 2.0 * x))
+    };
+    let mesh = Mesh::of(g, place([-0.6; 3]), place([0.6; 3]), 24).unwrap();
+    let times: Vec<f64> = (0..=20).map(|i| 0.1 * f64::from(i)).collect();
+    let turn = |t: f64, r: f64| place([r * t.cos(), r * t.sin(), 0.1]);
+    let paths = [0.5, 1.0].map(|r| times.iter().map(|t| turn(*t, r)).collect::<Vec<_>>());
+    Scene3::new(title)
+        .surface(&mesh)
+        .bodies(&times, &paths)
+        .trail(10)
+        .sizes(&[vec![0.03 * size], vec![0.06 * size]])
+        .rods([(0, 1)])
+        .rods([(1, place([0.0, 0.0, 1.0]))])
+        .disc(place([-0.9, 0.2, 0.0]), [0.0, 1.0, 0.3], 0.3 * size)
+        .wall(place([-1.2, 0.6, -0.7]), [[2.4 * size, 0.0, 0.0], [0.0, 0.0, 1.8 * size]])
+        .turning_box(
+            [0.2, 0.3, 0.4].map(|x| x * size),
+            &[place([0.8, 0.0, -0.5])],
+            &[[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]],
+        )
+        .axes(["x", "y", "z"])
+}
+
+/// A graphics processor knows f32 alone, which is 0.5 at 5·10⁶, and 0 for squares of 1e-23: a scene far from the
+/// origin, a tiny and a huge one look as they do at the origin.
+#[test]
+fn scenes_of_any_place_and_size_look_alike() {
+    let Some(chromium) = browser::find() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("places.html");
+    let scenes = [("near", 0.0, 1.0), ("far", 5e6, 1.0), ("tiny", 0.0, 1e-12), ("huge", 1e13, 1e12)];
+    let page = Page::new("Places");
+    let page =
+        scenes.iter().fold(page, |page, (title, x, size)| page.scene(model(title, [*x, *x, -*x], *size)));
+    page.write(&file).unwrap();
+    let mut page = opened(&chromium, &file, [800, 600]);
+    page.evaluate("rattle.pause()");
+    // Numbers on the axes are others.
+    page.evaluate("document.getElementById('notes').style.display = 'none'");
+    // Both bodies, and the middles of both rods.
+    let middle = |a, b| {
+        format!("((a, b) => [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2])(rattle.place({a}), rattle.place({b}))")
+    };
+    let small =
+        [0, 1].map(|body| format!("rattle.place({body})")).into_iter().chain([middle(0, 1), middle(1, 2)]);
+    let small: Vec<String> = small.collect();
+    let pictures: Vec<_> = (0..scenes.len())
+        .map(|scene| {
+            page.evaluate(&format!(
+                "rattle.show({scene}); document.getElementById('reset').click(); rattle.seek(7)"
+            ));
+            let picture = settled(&mut page);
+            keep(&mut page, scenes[scene].0);
+            (picture, small.iter().map(|place| pixel(&mut page, place)).collect::<Vec<_>>())
+        })
+        .collect();
+    let (near, parts) = &pictures[0];
+    assert!(colourful(near) > 0.0005, "{}", colourful(near));
+    for ((title, ..), (picture, own)) in scenes.iter().zip(&pictures) {
+        let off = changed(near, picture);
+        // None does where it is drawn as it is tested; others may round edges otherwise.
+        assert!(off < 0.001, "{title}: {off} of the picture differs");
+        // Bodies, trails and rods are a small part of the picture.
+        let strong = colourful(picture) / colourful(near);
+        assert!((strong - 1.0).abs() < 0.1, "{title}: {strong} of the strong colours");
+        for (i, (one, other)) in parts.iter().zip(own).enumerate() {
+            let apart = one.iter().zip(other).map(|(a, b)| a.abs_diff(*b)).max();
+            assert!(apart < Some(12), "{title}: {one:?} and {other:?} at {}", small[i]);
+        }
+    }
     assert_eq!(page.complaints, Vec::<String>::new());
 }
 
@@ -106,6 +210,21 @@ fn late_times_are_told_in_full() {
     }
     page.evaluate("rattle.seek(15); rattle.draw()");
     keep(&mut page, "late");
+    // The chart is drawn anew where it has another size.
+    written(&mut page);
+    page.resize(1100, 720, false);
+    page.wait("written.some(([text]) => text === 'height')");
+    let words = page.evaluate("written");
+    let at = |word: &str| {
+        let found = words.as_array().unwrap().iter().find(|text| text[0] == word);
+        found.unwrap_or_else(|| panic!("no {word} in {words}"))[1].as_f64().unwrap()
+    };
+    // The chart begins at the first time; the name of its curve ends where the chart does, at the last.
+    let [first, middle, last] = ["1.000000·10⁶", "1.000001·10⁶", "z"].map(at);
+    assert!(((middle - first) / (last - first) - 0.5).abs() < 1e-6, "{words}");
+    at("1.000002·10⁶");
+    page.evaluate("rattle.seek(0); rattle.play()");
+    page.wait("rattle.playing() && rattle.frame() > 0 && rattle.frame() < 40");
     assert_eq!(page.complaints, Vec::<String>::new());
 }
 
