@@ -94,6 +94,7 @@ fn all_meetings_count() {
 fn boxes_and_seeds() {
     let gyroid = Gyroid { k: 1.0, epsilon: 0.0 };
     let points = uniform(&gyroid, [0.0; 3], [TAU; 3], 500, 5).unwrap();
+    assert_eq!(points.len(), 500);
     assert!(points.iter().flatten().all(|&x| (0.0..=TAU).contains(&x)));
     assert!(points.iter().all(|q| gyroid.value(q).x.abs() < 1e-14));
     assert_eq!(points, uniform(&gyroid, [0.0; 3], [TAU; 3], 500, 5).unwrap());
@@ -124,7 +125,9 @@ fn only_zeros_are_points() {
         uniform(&Pole {}, [-2.0; 3], [2.0; 3], 3, 1),
         Err(PointsError::NotMet { found: 0, .. })
     ));
-    for q in uniform(&Hollow {}, [-2.0; 3], [2.0; 3], 50, 1).unwrap() {
+    let points = uniform(&Hollow {}, [-2.0; 3], [2.0; 3], 50, 1).unwrap();
+    assert_eq!(points.len(), 50);
+    for q in points {
         assert!((q.norm() - 2_f64.sqrt()).abs() < 1e-14, "{q}");
     }
     assert!(matches!(apart(&Hollow {}, [-2.0; 3], [2.0; 3], 3, f64::NAN, 1), Err(PointsError::Distance(_))));
@@ -152,6 +155,7 @@ fn even_points() {
 fn points_apart() {
     let egg = Ellipsoid { a: 1.0, b: 1.2, c: 1.5 };
     let points = apart(&egg, [-1.5; 3], [1.5; 3], 200, 0.2, 1).unwrap();
+    assert_eq!(points.len(), 200);
     for (i, q) in points.iter().enumerate() {
         assert!(points[..i].iter().all(|other| (q - other).norm() >= 0.2));
     }
