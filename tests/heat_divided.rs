@@ -3,7 +3,9 @@
 
 use crate::common::larger;
 use rattle::Error;
-use rattle::effect::{Andersen, Langevin, MagneticField, SelfPropulsion, Stop, VelocityRescaling};
+use rattle::effect::{
+    Andersen, Langevin, LinearDrag, MagneticField, SelfPropulsion, Stop, VelocityRescaling,
+};
 use rattle::prelude::*;
 use rattle::surfaces::Sphere;
 use rattle::watch::{Mean, Sight};
@@ -157,14 +159,24 @@ constraint! {
     |x, _y| x
 }
 
-/// A body that propels itself at a wall bounces as under a weight: p²/2 + Fx stays, to the rounding of some hundred
+force! {
+    /// Towards the wall.
+    struct Push {}
+    |_x, _y| [-1, 0]
+}
+
+/// A bath that does nothing, and draws.
+fn cold() -> Langevin {
+    Langevin { friction: 0.0, temperature: 0.0, seed: 1 }
+}
+
+/// Beside a bath a constant push has a body bounce as a weight has: p²/2 + Fx stays, to the rounding of some hundred
 /// impacts, since parabolas are exact.
 #[test]
 fn a_constant_push_between_impacts_is_exact() {
     for h in [0.083, 0.0415] {
-        let push = SelfPropulsion::new(1.0, 0.0, 1).headed([[-1.0, 0.0]]);
-        let start = State::of([[0.5, 0.0]]);
-        let run = Scene::points::<2>(1).with(push).simulate(start, Rattle::new(h)).unwrap();
+        let scene = Scene::points::<2>(1).with(Push {}).with(cold());
+        let run = scene.simulate(State::of([[0.5, 0.0]]), Rattle::new(h)).unwrap();
         let mut run = run.collide(Stop::above(Left {})).unwrap();
         let mut off = 0.0_f64;
         for _ in 0..(200.0 / h) as u32 {
@@ -177,14 +189,46 @@ fn a_constant_push_between_impacts_is_exact() {
     }
 }
 
+/// Bodies that propel themselves against an elastic wall under drag come to it, and stay: with one impact a step at
+/// most, and no faster than what a step gives.
+#[test]
+fn active_bodies_stay_at_a_wall() {
+    let push = SelfPropulsion::new(1.0, 0.0, 1).headed([[-1.0, 0.0]]);
+    let scene = Scene::points::<2>(1).with(push).with(LinearDrag { coefficient: 2.0 });
+    let (h, steps) = (0.05, 4000);
+    let mut run = scene.simulate(State::of([[0.5, 0.0]]), Rattle::new(h)).unwrap();
+    run = run.collide(Stop::above(Left {})).unwrap();
+    run.run(steps).unwrap();
+    let (q, p) = (run.positions().next().unwrap(), run.momenta().next().unwrap());
+    assert!(run.events() <= steps, "{}", run.events());
+    assert!(q.x >= 0.0 && q.x < h * h && p.x.abs() < h, "{q} {p}");
+}
+
+/// Which numbers are drawn depends neither on what is met in a step nor on flows that draw nothing: a body far from the
+/// wall goes as without one, beside one that bounces and one that is held by a field.
+#[test]
+fn numbers_are_those_of_the_step_whatever_is_met() {
+    let field = || MagneticField::new([0.0, 0.0, 1.3]);
+    let start = || State::of([[0.3, 0.0], [1e6, 0.0]]).with_momenta([[-0.7, 0.2], [0.0, 0.0]]);
+    // In the order of a step with contacts: what draws is outside.
+    let scene = Scene::points::<2>(2).with(bath()).with(field());
+    let mut free = scene.clone().simulate(start(), Rattle::new(0.1)).unwrap();
+    let mut walled =
+        scene.simulate(start(), Rattle::new(0.1)).unwrap().collide(Stop::above(Left {})).unwrap();
+    free.run(100).unwrap();
+    walled.run(100).unwrap();
+    assert!(walled.events() > 5, "{}", walled.events());
+    assert_eq!(free.positions().nth(1), walled.positions().nth(1));
+    assert_eq!(free.momenta().nth(1), walled.momenta().nth(1));
+}
+
 /// A bath that does nothing leaves a magnetic field between impacts where it was.
 #[test]
 fn a_bath_without_heat_changes_no_impacts() {
     let scene = Scene::points::<2>(1).with(MagneticField::new([0.0, 0.0, 1.3]));
-    let bath = Langevin { friction: 0.0, temperature: 0.0, seed: 1 };
     let start = || State::of([[0.2, 0.0]]).with_momenta([[-0.7, 0.2]]);
     let mut plain = scene.clone().simulate(start(), Rattle::new(0.1)).unwrap();
-    let mut bathed = scene.with(bath).simulate(start(), Rattle::new(0.1)).unwrap();
+    let mut bathed = scene.with(cold()).simulate(start(), Rattle::new(0.1)).unwrap();
     plain = plain.collide(Stop::above(Left {})).unwrap();
     bathed = bathed.collide(Stop::above(Left {})).unwrap();
     plain.run(300).unwrap();

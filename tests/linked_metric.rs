@@ -30,11 +30,14 @@ constraint! { struct Same {} |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1
 /// Where the third bar of a linkage of three parallel cranks and a coupler lies, all rigid bodies in the plane.
 const TILT: f64 = 0.3;
 
-/// Three cranks of this length are joined by a bar: twelve equations, of which eleven are independent. Each angle is
-/// off by so much, and numbers are as `write` leaves them.
-fn check_cranks(length: f64, angle: f64, off: [f64; 3], write: impl Fn(f64) -> f64) {
+/// The linkage with cranks of this length, the first of which turns about a place; and the places of all three.
+#[allow(clippy::type_complexity, reason = "a scene and three places")]
+fn cranks(
+    length: f64,
+    [x, y]: [f64; 2],
+) -> (Scene<rattle::network::Network<3>, (), rattle::bodies::Many, 3>, [[f64; 2]; 3]) {
     let (sin, cos) = TILT.sin_cos();
-    let pins = [0.0, 1.0, 2.0].map(|i| [i * length * cos, i * length * sin]);
+    let pins = [0.0, 1.0, 2.0].map(|i| [x + i * length * cos, y + i * length * sin]);
     let hinges = (0..3).map(|i| (Hinge { length, x: pins[i][0], y: pins[i][1] }, [i]));
     let joints = (0..3).map(|i| (Joint { length, along: (i as f64 - 1.0) * length }, [i, 3]));
     let inertia = length * length / 12.0;
@@ -43,6 +46,14 @@ fn check_cranks(length: f64, angle: f64, off: [f64; 3], write: impl Fn(f64) -> f
         .link_each(hinges.collect::<Vec<_>>())
         .link_each(joints.collect::<Vec<_>>())
         .masses(masses);
+    (scene, pins)
+}
+
+/// Three cranks of this length are joined by a bar: twelve equations, of which eleven are independent. Each angle is
+/// off by so much, and numbers are as `write` leaves them.
+fn check_cranks(length: f64, angle: f64, off: [f64; 3], write: impl Fn(f64) -> f64) {
+    let (scene, pins) = cranks(length, [0.0; 2]);
+    let inertia = length * length / 12.0;
     // The cranks turn at 1.
     let (sin, cos) = angle.sin_cos();
     let [half, whole] = [length / 2.0, length].map(|r| ([r * cos, r * sin], [-r * sin, r * cos]));
@@ -74,6 +85,35 @@ fn rigid_cranks_of_any_length_turn() {
             check_cranks(length, angle, [0.0; 3], |x| format!("{x:.11e}").parse().unwrap());
         }
     }
+}
+
+/// Far away all g may be 0 where places are known to some roundings alone: linkages that are projected there turn.
+#[test]
+fn rigid_cranks_far_away_turn() {
+    let mut locked = Vec::new();
+    for (length, away) in
+        [(1.0, 1e4), (1.0, 1e5), (0.1, 1e4), (0.1, 1e5), (0.01, 1e2), (0.01, 1e3), (0.01, 1e6)]
+    {
+        let (scene, pins) = cranks(length, [away, 0.7 * away]);
+        for k in 0..60 {
+            let angle = 0.5 + 0.03 * f64::from(k);
+            let (sin, cos) = angle.sin_cos();
+            let mut places: Vec<_> = (0..3)
+                .map(|i| [pins[i][0] + 0.5 * length * cos, pins[i][1] + 0.5 * length * sin, angle])
+                .collect();
+            places.push([pins[1][0] + length * cos, pins[1][1] + length * sin, TILT]);
+            for (i, x) in places.as_flattened_mut().iter_mut().enumerate() {
+                let off = 1e-3 * (3.7 * i as f64 + 0.9 * f64::from(k)).sin();
+                *x += if i % 3 == 2 { off } else { length * off };
+            }
+            let start = scene.project(&State::of(places)).unwrap();
+            let simulation = scene.simulate(start, Rattle::new(1e-3)).unwrap();
+            if simulation.freedom() != 1 {
+                locked.push((length, away, angle, simulation.freedom()));
+            }
+        }
+    }
+    assert!(locked.is_empty(), "{locked:?}");
 }
 
 #[test]

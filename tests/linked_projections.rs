@@ -135,3 +135,11 @@ fn straight_toggles_are_told_to_start_beside() {
     let joint = state.positions().nth(1).unwrap();
     assert!((joint.y.abs() - (1.0_f64 - 0.95 * 0.95).sqrt()).abs() < 1e-15, "{joint}");
 }
+
+/// A rod far away that is a little off is nothing that contradicts: it is moved to where it holds.
+#[test]
+fn rods_far_away_that_are_a_little_off_are_projected() {
+    for off in [1e-10, 1e-9, 1e-8, 1e-4, 1e-2] {
+        check_chain(&[1.0], vec![[1e6, 0.0], [1e6, 1.0 + off]], &format!("{off:e}"));
+    }
+}

@@ -135,13 +135,16 @@ pub fn pair_potential(input: TokenStream) -> TokenStream {
     expand(Macro::PairPotential, input.into()).into()
 }
 
-/// An energy H(q, p) of coordinates and momenta: `|q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + g * q[1]`.
+/// An energy H(q, p) of coordinates and momenta: `|q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + g * q[1]`, or by numbers
+/// `|x, y, px, py| (px^2 + py^2) / 2 + g * y`. In more than two variables momenta have the names of their coordinates,
+/// as `px` of `x`, `p_phi` of `phi`, `p1` of `q1`, and stand in the same order.
 #[proc_macro]
 pub fn hamiltonian(input: TokenStream) -> TokenStream {
     expand(Macro::Hamiltonian, input.into()).into()
 }
 
-/// Equations g(q, p) = 0 between coordinates and momenta: `|q: [f64; 2], p: [f64; 2]| dot(q, q) + dot(p, p) - 1`.
+/// Equations g(q, p) = 0 between coordinates and momenta: `|q: [f64; 2], p: [f64; 2]| dot(q, q) + dot(p, p) - 1`, in
+/// variables as those of [`hamiltonian!`].
 #[proc_macro]
 pub fn phase_constraint(input: TokenStream) -> TokenStream {
     expand(Macro::PhaseConstraint, input.into()).into()

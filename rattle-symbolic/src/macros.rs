@@ -132,35 +132,45 @@ impl Macro {
 /// What the time is called, where a variable can be the time.
 const TIME: &str = "t";
 
-/// Notes what is no half of coordinates before a half of momenta: one array each, or in more than two variables the
-/// same shapes again, whose names tell them apart, since an order as in `|x, px, y, py|` has the same shapes.
+/// Notes what is no half of coordinates before a half of momenta of the same shapes. More than two variables are told
+/// apart by their names, since an order as in `|x, px, y, py|` or `|x, y, py, px|` has the same shapes.
 fn check_halves(variables: &[Variable], problems: &mut Problems) {
     let (coordinates, momenta) = variables.split_at(variables.len() / 2);
+    let names = |of: &[Variable]| of.iter().map(|variable| variable.name.to_string()).collect::<Vec<_>>();
+    let [of_q, of_p] = [coordinates, momenta].map(names);
     let several = variables.len() > 2;
-    let is_momentum = if several { has_p } else { is_momentum }; // in `|u, v, pu, pv|` v is a coordinate
-    let is_p = |variable: &&Variable| is_momentum(&variable.name.to_string());
-    let is_q = |variable: &Variable| is_coordinate(&variable.name.to_string());
-    if let Some(early) = coordinates.iter().find(is_p)
-        && (several || momenta.iter().any(is_q))
+    let early = of_q.iter().position(|name| if several { has_p(name) } else { is_momentum(name) });
+    if let Some(early) = early
+        && (several || (has_p(&of_q[0]) && !is_momentum(&of_p[0])) || is_coordinate(&of_p[0]))
     {
         let order = in_order(variables, is_momentum).unwrap_or("|q, p|".to_owned());
         let message = format!("coordinates come first, then momenta: write `{order}`");
-        return problems.note_at(&early.name, message);
+        return problems.note_at(&coordinates[early].name, message);
     }
-    let other = match (coordinates, momenta) {
-        ([q], [p]) => (q.shape != p.shape).then_some(p),
-        _ if coordinates.len() < momenta.len() => momenta.last(),
-        _ => {
-            let mut pairs = coordinates.iter().zip(momenta);
-            pairs.find(|(q, p)| q.shape != p.shape || !is_p(p)).map(|(_, p)| p)
-        }
+    let other = match momenta.len() > coordinates.len() {
+        true => momenta.last(),
+        false => coordinates.iter().zip(momenta).find(|(q, p)| q.shape != p.shape).map(|(_, p)| p),
     };
     if let Some(other) = other {
-        problems.note_at(
-            &other.name,
-            "expected coordinates and momenta of one shape, as in `|q: [f64; 2], p: [f64; 2]|`, or by numbers `|x, y, px, py|`",
-        );
+        let message = "expected coordinates and momenta of one shape, as in `|q: [f64; 2], p: [f64; 2]|` or `|x, y, px, py|`";
+        return problems.note_at(&other.name, message);
     }
+    let strange = (0..of_q.len()).find(|&place| several && !belongs(&of_p[place], &of_q[place], place));
+    if let Some(place) = strange {
+        let after = of_q.iter().map(|name| format!("p{name}"));
+        let order = of_q.iter().cloned().chain(after).collect::<Vec<_>>().join(", ");
+        let message =
+            format!("momenta have the names of their coordinates, in the same order: write `|{order}|`");
+        problems.note_at(&momenta[place].name, message);
+    }
+}
+
+/// Whether a momentum is called as that of this coordinate: of `theta1` `ptheta1`, `p_theta1` or `p1`, or by its place.
+fn belongs(momentum: &str, coordinate: &str, place: usize) -> bool {
+    let Some(rest) = momentum.trim_start_matches('_').strip_prefix('p') else { return false };
+    let rest = rest.trim_start_matches('_');
+    let by_place = [place, place + 1].iter().any(|place| rest == place.to_string());
+    !rest.is_empty() && (coordinate.ends_with(rest) || by_place)
 }
 
 /// Notes a time that is not the last variable, no number, or the only variable of a potential.

@@ -57,5 +57,13 @@ hamiltonian! {
     pub struct Unnamed {}
     |x, y, u, v| (u^2 + v^2) / 2 + x * y
 }
+hamiltonian! {
+    pub struct Swapped {}
+    |r, phi, pphi, pr| (pr^2 + (pphi / r)^2) / 2
+}
+hamiltonian! {
+    pub struct Backwards {}
+    |p, phi| p^2 / 2 - cos(phi)
+}
 
 fn main() {}

@@ -132,7 +132,8 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Ok(())
     }
     /// Updates the memory `marks`, which the interval does not hold here, as a time h passes at the present positions.
-    /// Called before each flow that precedes a step, and after each flow that follows it. Neither allocates nor panics.
+    /// Called before each flow that precedes a step, and after each flow that follows it; where flows that draw nothing
+    /// act in parts of a step beside others that draw, for the whole step alone. Neither allocates nor panics.
     fn take_note(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) {}
 
     /// The properties of the flow. They belong to the type: a sweep takes those of one scene for those of all, so they

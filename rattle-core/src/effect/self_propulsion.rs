@@ -25,9 +25,11 @@ use std::array::from_fn;
 /// Headings move with the bodies by parallel transport (T. Levi-Civita 1917): in each step by the smallest rotation
 /// that takes the old normal to the new one. This is exact where normals move along a great circle, and of second order
 /// elsewhere. Half of the noise of a step turns a heading before the step and half after it. The force is of second
-/// order like all flows, and its work counts as [work](crate::run::simulation::Simulation::work). Headings are part of
-/// the [marks](crate::run::simulation::Simulation::marks) and the [state](crate::run::simulation::Simulation::state) of
-/// a simulation. At the start they are random, or as given.
+/// order like all flows, but of first order where bodies meet others or walls, since it acts before and after the whole
+/// step; bodies that press against a wall stay at it. Its work counts as
+/// [work](crate::run::simulation::Simulation::work). Headings are part of the
+/// [marks](crate::run::simulation::Simulation::marks) and the [state](crate::run::simulation::Simulation::state) of a
+/// simulation. At the start they are random, or as given.
 ///
 /// Source: C. Bechinger, R. Di Leonardo, H. Löwen, C. Reichhardt, G. Volpe, G. Volpe, Rev. Mod. Phys. 88 (2016) 045006,
 /// section II; on surfaces: R. Sknepnek, S. Henkes, Phys. Rev. E 91 (2015) 022306.

@@ -64,7 +64,7 @@ pub(crate) enum Chosen {
     All,
     /// Those that draw random numbers, as they act or as they take note.
     Drawing,
-    /// Those that draw none. The push of one that draws as it takes note is among them.
+    /// Those that draw none.
     Others,
     None,
 }
@@ -80,11 +80,11 @@ impl Chosen {
         if others { Self::Others } else { Self::None }
     }
 
-    fn has(self, Manner { rule, pushes, .. }: Manner) -> bool {
+    fn has(self, Manner { rule, .. }: Manner) -> bool {
         match self {
             Self::All => true,
-            Self::Drawing => rule == Rule::Random && !pushes,
-            Self::Others => rule != Rule::Random || pushes,
+            Self::Drawing => rule == Rule::Random,
+            Self::Others => rule != Rule::Random,
             Self::None => false,
         }
     }

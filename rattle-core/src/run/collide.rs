@@ -29,9 +29,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// [`StepFailure::TooManyImpacts`](crate::error::StepFailure::TooManyImpacts).
     ///
     /// Random forces act before the whole step and after it, whatever happens between: a contact does not choose among
-    /// them. Other flows act before and after each stretch between contacts, as does
-    /// [`SelfPropulsion`](crate::effect::SelfPropulsion) along headings that turn before the step and after it. By
-    /// `Baoab`, which has random forces in the middle, nothing collides where they are.
+    /// them. Inside of them other flows act before and after each stretch between contacts.
+    /// [`SelfPropulsion`](crate::effect::SelfPropulsion) counts as random: so bodies that it presses against a wall
+    /// stay there, where a force within stretches would have them bounce ever more often. By `Baoab`, which has random
+    /// forces in the middle, nothing collides where they are.
     ///
     /// Contacts are not part of a [`State`](crate::motion::state::State): call `collide` again after a restart. In a
     /// step with events [`retry`](Self::retry) divides the parts between events, and

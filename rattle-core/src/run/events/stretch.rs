@@ -23,7 +23,7 @@ pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usi
     pub(in crate::run) bodies: &'a mut BodiesOf<Y, f64, D>,
     /// Where the stretch begins.
     pub(in crate::run) start: &'a mut Saved<Y::Count, f64, D>,
-    /// Chosen random numbers come first there.
+    /// Which random numbers come first there.
     pub(in crate::run) noise: Noise,
     /// Room for two more places, and for both ends of a stretch that is looked at in parts.
     pub(in crate::run) aside: &'a mut [Saved<Y::Count, f64, D>; 4],
@@ -32,7 +32,7 @@ pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usi
     pub(in crate::run) heard: bool,
     /// How often a try is halved at least, and where it fails at most.
     pub(in crate::run) halvings: RangeInclusive<u32>,
-    /// Chosen flows act inside it, and not around the whole step.
+    /// Which flows act inside it, and not around the whole step.
     pub(in crate::run) flows: Chosen,
     /// In how many parts the last try went; none if nothing was tried but the whole step.
     pub(in crate::run) parts: Option<u32>,

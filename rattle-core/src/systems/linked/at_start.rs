@@ -36,6 +36,8 @@ pub(super) struct Start<const D: usize> {
     pub(super) blocks: Vec<[f64; D]>,
     pub(super) rates: Vec<f64>,
     pub(super) known: Known,
+    /// By how much normals might turn where a basis last counted all equations of the component as independent.
+    pub(super) judged: f64,
     /// Room for a way of some bodies: 0 for all others.
     pub(super) part: Vec<[f64; D]>,
 }
@@ -52,6 +54,7 @@ impl<const D: usize> Start<D> {
             blocks: vec![[0.0; D]; blocks],
             rates: vec![0.0; rows],
             known: Known::default(),
+            judged: f64::INFINITY,
             part: vec![[0.0; D]; state.bodies.len()],
         }
     }

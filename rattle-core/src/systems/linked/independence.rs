@@ -15,6 +15,10 @@ const APART: f64 = 0.1;
 /// or of so many times that: it may be made of several of them.
 const SECOND_ORDER: f64 = 16.0;
 
+/// Equations that are independent at a place are looked at again where a way onto them may turn normals by this part of
+/// what it may there.
+const NEARER: f64 = 1e-3;
+
 impl<const D: usize> Start<D> {
     /// By how much this way, if there is one, and some roundings of places may turn a normal; and by how much in the
     /// metric of M⁻¹.
@@ -57,7 +61,8 @@ impl<const D: usize> Start<D> {
         self.turned_by(shape, (c, row), time, None)[0]
     }
 
-    /// By how much the way onto those equations that a component counts, and roundings, may turn each of its normals.
+    /// By how much the way onto those equations that a component counts, and roundings, may turn each of its normals:
+    /// those of what moves, and those of where it is, as an equation may be off by the rounding of places where g is 0.
     /// The way is written.
     fn turned_on_the_way(
         &mut self,
@@ -66,14 +71,25 @@ impl<const D: usize> Start<D> {
         time: f64,
         way: &mut [[f64; D]],
     ) -> Vec<[f64; 2]> {
+        let m = shape.components[c].rows.equations();
+        let off: Vec<f64> = self.g[..m].iter().map(|g| -g).collect();
+        let rounded = |row: usize| {
+            let rounding = f64::EPSILON * self.along(shape, (c, row), &self.q) * self.length(shape, c, row);
+            off[row].abs().max(rounding).copysign(off[row])
+        };
+        let may_be_off: Vec<f64> = (0..m).map(rounded).collect();
         let Shape { components, roots, .. } = &mut *shape;
         let Component { rows, solver, .. } = &mut components[c];
-        let off: Vec<f64> = self.g[..rows.equations()].iter().map(|g| -g).collect();
-        let mut x = vec![0.0; off.len()];
-        solver.solve(&off, &mut x);
-        rows.bodies.iter().for_each(|&body| way[body] = [0.0; D]);
-        solver.displace(rows, roots, &x, way);
-        (0..off.len()).map(|row| self.turned_by(shape, (c, row), time, Some(way))).collect()
+        let mut x = vec![0.0; m];
+        let mut lead = |off: &[f64], way: &mut [[f64; D]]| {
+            solver.solve(off, &mut x);
+            rows.bodies.iter().for_each(|&body| way[body] = [0.0; D]);
+            solver.displace(rows, roots, &x, way);
+        };
+        let mut longest = vec![[0.0; D]; way.len()];
+        lead(&may_be_off, &mut longest);
+        lead(&off, way);
+        (0..m).map(|row| self.turned_by(shape, (c, row), time, Some(&longest))).collect()
     }
 
     /// By how much roundings of places may turn the normals of those equations that share a body with this one.
@@ -116,7 +132,9 @@ pub(super) fn count_independent<const D: usize>(
     let mut way = std::mem::take(&mut start.lift); // of others it is not looked at
     let turned = start.turned_on_the_way(shape, c, time, &mut way);
     start.lift = way;
-    if turned.iter().all(|[_, turned]| *turned < sine) {
+    let most = turned.iter().map(|[_, turned]| *turned).fold(0.0, f64::max);
+    // What is independent so far off is so nearer, too, until that could be told by a thousandth of it.
+    if most < sine || most > NEARER * start.judged {
         return;
     }
     let Shape { components, roots, .. } = &mut *shape;
@@ -127,6 +145,7 @@ pub(super) fn count_independent<const D: usize>(
     let Component { rows, solver, .. } = &mut shape.components[c];
     if solver.rank(rows) == rows.equations() {
         *solver = elimination;
+        start.judged = most;
     }
 }
 

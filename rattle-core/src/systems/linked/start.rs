@@ -193,6 +193,7 @@ fn check_normals<const D: usize>(
         Err((_, row)) if component.rows.acting => (false, row),
         Ok((sine, _)) => {
             let may = may_take_basis(algebra, &component.rows);
+            start.judged = f64::INFINITY;
             count_independent(shape, c, start, time, (sine, may));
             return Ok(());
         }
@@ -336,8 +337,10 @@ fn place_by_some_masses<const D: usize>(
         Err(error @ Error::Start { cause: StartFailure::NoPlace { .. }, .. }) => error,
         other => return other,
     };
-    if bodies.iter().all(|&body| matches!(shape.roots[body], Root::Unit)) {
-        return Err(error);
+    let mass =
+        |body: usize| shape.roots[body].over_masses().filter(|over| over.iter().all(|x| *x == over[0]));
+    if mass(bodies[0]).is_some_and(|of| bodies.iter().all(|&body| mass(body) == Some(of))) {
+        return Err(error); // they are equal
     }
     bodies.iter().zip(from).for_each(|(&body, q)| start.q[body] = q);
     let roots: Vec<_> =
@@ -352,6 +355,7 @@ fn place_by_some_masses<const D: usize>(
     bodies.into_iter().zip(roots).for_each(|(body, root)| shape.roots[body] = root);
     shape.components[c].solver = by_masses;
     placed.map_err(|_| error)?;
+    start.judged = f64::INFINITY;
     take_over(shape, c, algebra, start, time)
 }
 
@@ -364,6 +368,7 @@ fn place<const D: usize>(
     time: f64,
 ) -> Result<(f64, usize), Error> {
     let m = shape.components[c].rows.equations();
+    start.judged = f64::INFINITY;
     let mut x = vec![0.0; m];
     let mut distances: Vec<f64> = Vec::new();
     let (mut last, mut worst) = (f64::INFINITY, 0);
@@ -417,7 +422,7 @@ fn place<const D: usize>(
             return Ok(found);
         }
         let equation = || shape.equation_at(c, worst);
-        if stays && !holds {
+        if stays && lingers && !holds {
             return Err(at(shape, c, worst, StartFailure::Contradictory { equation: equation(), distance }));
         }
         if last_step {
