@@ -79,65 +79,6 @@ fn flows_of_linked_bodies_are_of_second_order() {
     assert!((1.8..2.3).contains(&places) && energy > 1.7, "{places:.2}, {energy:.2}");
 }
 
-/// Momenta of free bodies have formulas, also for masses that are matrices: there to second order, else to rounding.
-#[test]
-fn drag_of_free_bodies_is_exact() {
-    let masses = [2.0, 0.5];
-    let free = Scene::points::<2>(2).masses(masses).with(LinearDrag::along([0.5, 2.0]).times([1.0, 0.1]));
-    let start = State::of([[0.0; 2]; 2]).moving([1.0, 1.0]);
-    let mut simulation = free.simulate(start, Rattle::new(0.25)).unwrap();
-    simulation.run(8).unwrap();
-    for (body, p) in simulation.momenta().enumerate() {
-        let factor = [1.0, 0.1][body] * 2.0 / masses[body];
-        let exact = [(-0.5 * factor).exp(), (-2.0 * factor).exp()];
-        assert!((p.x - exact[0]).abs() < 2e-15 && (p.y - exact[1]).abs() < 2e-15, "{p}");
-    }
-    // M = [[2, 1], [1, 2]] has the axes (1, 1) and (1, −1) with masses 3 and 1.
-    let mass = rattle::nalgebra::matrix![2.0, 1.0; 1.0, 2.0];
-    let after = |h: f64| {
-        let heavy = Scene::point().mass(mass).with(LinearDrag::new(0.6));
-        let mut simulation = heavy.simulate(State::at([0.0; 2]).moving([1.0, 0.0]), Rattle::new(h)).unwrap();
-        simulation.run((1.0 / h).round() as u64).unwrap();
-        let (slow, fast) = (0.5 * (-0.2_f64).exp(), 0.5 * (-0.6_f64).exp());
-        (simulation.momentum().x - (slow + fast)).abs()
-    };
-    let order = order(&[0.25, 0.125, 0.0625].map(after));
-    assert!((1.8..2.3).contains(&order), "{order}");
-    let quadratic = Scene::point().mass(4.0).with(QuadraticDrag { coefficient: 2.0 });
-    let start = State::at([0.0; 3]).moving([4.0, 0.0, 0.0]);
-    let mut simulation = quadratic.simulate(start, Rattle::new(0.1)).unwrap();
-    simulation.run(100).unwrap();
-    assert!((simulation.velocity().x - 1.0 / 6.0).abs() < 1e-15, "v = 1/(1 + t/2)");
-}
-
-/// Backwards, drag by the square comes from infinite velocities at t = −m/(c v): steps up to there are exact, others
-/// fail, where they ended at velocities that are turned around.
-#[test]
-fn drag_comes_from_no_farther_than_infinity() {
-    let mass = rattle::nalgebra::matrix![2.0, 0.5; 0.5, 1.0];
-    for c in [5.0, 9.9, 10.1, 15.0, 25.0, 60.0] {
-        let scene = Scene::point().with(QuadraticDrag { coefficient: c });
-        let mut alone = scene.simulate(State::at([0.0]).moving([1.0]), Rattle::new(-0.1)).unwrap();
-        let told = alone.run(1);
-        assert_eq!(told.is_ok(), c < 10.0, "{c}: {}", alone.momentum());
-        match told {
-            Ok(()) => assert!((alone.momentum().x * (1.0 - 0.1 * c) - 1.0).abs() < 1e-12, "{c}"),
-            Err(told) => assert!(told.to_string().contains("QuadraticDrag"), "{told}"),
-        }
-        let ball = Scene::on(Sphere { r: 1.0 }).with(QuadraticDrag { coefficient: c });
-        let start = State::at([0.0, 0.0, 1.0]).moving([1.0, 0.0, 0.0]);
-        let mut lanes = ball.ensemble(vec![start; 20], Rattle::new(-0.1)).unwrap();
-        lanes.run(1);
-        assert_eq!(lanes.failures().count() == 0, c < 10.0, "{c}");
-        if !(9.0..20.0).contains(&c) {
-            let heavy = Scene::point().mass(mass).with(QuadraticDrag { coefficient: 2.0 * c });
-            let start = State::at([0.0; 2]).moving([1.0, 0.0]);
-            let mut heavy = heavy.simulate(start, Rattle::new(-0.1)).unwrap();
-            assert_eq!(heavy.run(1).is_ok(), c < 9.0, "{c}: {}", heavy.momentum());
-        }
-    }
-}
-
 /// Each step turns by 2 arctan(h/2); a circle of N steps closes when they make 2π.
 #[test]
 fn charges_run_around_circles() {

@@ -7,7 +7,7 @@ use crate::common::larger;
 use rattle::bodies::{Count, Many};
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::effect::{
-    Andersen, Effects, Flow, Interval, Langevin, LinearDrag, MagneticField, VelocityRescaling,
+    Andersen, Effects, Flow, Interval, Langevin, LinearDrag, MagneticField, QuadraticDrag, VelocityRescaling,
 };
 use rattle::ensemble::{InstructionSet, NotInLanes};
 use rattle::links::Rod;
@@ -160,6 +160,14 @@ fn from_rest() {
         let off = off(&alone.state(), &ensemble.state(i as usize));
         assert!(off < 1e-12 && (off > 0.0) == InstructionSet::widest().fuses(), "{i}: {off}");
     }
+}
+
+/// Where masses differ by direction drag has no single rate.
+#[test]
+fn drag_by_the_square_as_alone() {
+    let mass = |x: f64| [x, 2.0 * x, 0.3];
+    let scene = Scene::points(2).link(Rod { length: 1.0 }, [[0, 1]]).masses([mass(1.0), mass(3.0)]);
+    as_alone(&scene.with(QuadraticDrag { coefficient: 1.5 }), 2, "drag by the square");
 }
 
 #[test]

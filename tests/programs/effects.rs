@@ -6,6 +6,8 @@
 mod active;
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../drag.rs"]
+mod drag;
 #[path = "../effects_room.rs"]
 mod effects_room;
 #[path = "../effects_time.rs"]

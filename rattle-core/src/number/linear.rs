@@ -2,6 +2,7 @@
 
 use crate::number::real::Real;
 use crate::number::vector::{add_scaled, largest};
+use std::array::from_fn;
 
 /// The solution of a few linear equations, by elimination with row exchanges, whatever the scale of each equation; none
 /// if they are dependent.
@@ -37,26 +38,8 @@ pub(crate) fn solve<const M: usize>(mut a: [[f64; M]; M], mut b: [f64; M]) -> Op
 /// antisymmetric or a product of positive ones: by elimination without exchanges. NaN or infinite where a pivot
 /// vanishes.
 #[inline(always)]
-pub(crate) fn solve_positive<T: Real, const M: usize>(a: [[T; M]; M], x: [T; M]) -> [T; M] {
-    eliminated(a, x, |pivot| pivot)
-}
-
-/// The same, and NaN where a pivot is not positive.
-#[inline(always)]
-pub(crate) fn solve_definite<T: Real, const M: usize>(a: [[T; M]; M], x: [T; M]) -> [T; M] {
-    let zero = T::from_f64(0.0);
-    eliminated(a, x, |pivot| T::select(zero.lt(pivot), pivot, T::from_f64(f64::NAN)))
-}
-
-/// The solution with what `allowed` makes of each pivot.
-#[inline(always)]
-fn eliminated<T: Real, const M: usize>(
-    mut a: [[T; M]; M],
-    mut x: [T; M],
-    allowed: impl Fn(T) -> T,
-) -> [T; M] {
+pub(crate) fn solve_positive<T: Real, const M: usize>(mut a: [[T; M]; M], mut x: [T; M]) -> [T; M] {
     for i in 0..M {
-        a[i][i] = allowed(a[i][i]);
         for k in i + 1..M {
             let share = a[k][i] / a[i][i];
             a[k] = add_scaled(&a[k], -share, &a[i]);
@@ -70,4 +53,68 @@ fn eliminated<T: Real, const M: usize>(
         x[i] = x[i] / a[i][i];
     }
     x
+}
+
+/// Rounds of rotations; 5 to 10 do, since what is left is squared in each.
+const ROUNDS: usize = 40;
+
+/// The eigenvalues of a symmetric matrix, and for each of them the eigenvector of length 1, by rotations that take one
+/// pair of entries after the other to zero (C. Jacobi 1846).
+pub(crate) fn axes<const M: usize>(mut a: [[f64; M]; M]) -> ([f64; M], [[f64; M]; M]) {
+    let mut axes: [[f64; M]; M] = from_fn(|i| from_fn(|k| f64::from(u8::from(i == k))));
+    for _ in 0..ROUNDS {
+        let mut turned = false;
+        for (i, k) in (0..M).flat_map(|i| (i + 1..M).map(move |k| (i, k))) {
+            let size = (a[i][i].abs() * a[k][k].abs()).sqrt();
+            if a[i][k].abs() <= 0.125 * f64::EPSILON * size {
+                continue;
+            }
+            turned = true;
+            let slope = 0.5 * (a[k][k] - a[i][i]) / a[i][k];
+            let tan = 1.0_f64.copysign(slope) / (slope.abs() + slope.hypot(1.0));
+            let cos = 1.0 / tan.hypot(1.0);
+            let turn = |x: f64, y: f64| [cos * (x - tan * y), cos * (tan * x + y)];
+            for line in &mut a {
+                [line[i], line[k]] = turn(line[i], line[k]);
+            }
+            for j in 0..M {
+                [a[i][j], a[k][j]] = turn(a[i][j], a[k][j]);
+                [axes[i][j], axes[k][j]] = turn(axes[i][j], axes[k][j]);
+            }
+            (a[i][k], a[k][i]) = (0.0, 0.0);
+        }
+        if !turned {
+            break;
+        }
+    }
+    (from_fn(|i| a[i][i]), axes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::vector::dot;
+
+    /// Of matrices that are badly scaled, with equal eigenvalues, or diagonal: A = Σ λ v vᵀ, and vᵢ·vₖ = δᵢₖ.
+    #[test]
+    fn axes_of_symmetric_matrices() {
+        let bad = [[1e8, 3e3, 10.0], [3e3, 1.0, 2e-4], [10.0, 2e-4, 1e-4]];
+        let same = [[2.0, 1.0, 1.0], [1.0, 2.0, 1.0], [1.0, 1.0, 2.0]]; // 1, 1, 4
+        let none = [[0.0; 3]; 3];
+        let diagonal = [[3.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, -1.0]];
+        for a in [bad, same, none, diagonal] {
+            let (values, axes) = axes(a);
+            for (i, k) in (0..9).map(|at| (at / 3, at % 3)) {
+                let again = (0..3).map(|j| values[j] * axes[j][i] * axes[j][k]).sum::<f64>();
+                let size = (a[i][i] * a[k][k]).abs().sqrt();
+                // Some roundings of 10 rounds of 3 rotations.
+                assert!((again - a[i][k]).abs() <= 1e-14 * size, "{i}, {k}: {again:e} of {:e}", a[i][k]);
+                let one = if i == k { 1.0 } else { 0.0 };
+                assert!((dot(&axes[i], &axes[k]) - one).abs() < 1e-14, "{i}, {k}");
+            }
+        }
+        let (mut values, _) = axes(same);
+        values.sort_by(f64::total_cmp);
+        assert!(values.iter().zip([1.0, 1.0, 4.0]).all(|(x, exact)| (x - exact).abs() < 1e-14), "{values:?}");
+    }
 }
