@@ -80,8 +80,8 @@ fn chains_and_rigid_bodies() {
     }
 }
 
-/// Places of free bodies in heat are uniform in area. Samples are a hundred steps apart, h γ = 0.1: bodies have crossed
-/// the surface.
+/// Places of free bodies in heat are uniform in area. Samples are 50 steps apart, a time of 5, in which friction takes
+/// all but e⁻²·⁵ of a momentum: bodies have crossed the surface.
 #[test]
 #[cfg(long)]
 fn places_are_uniform_in_area() {
@@ -149,33 +149,40 @@ fn mean_height<E: Effects<3>>(
     [mean, (variance / bodies as f64).sqrt()]
 }
 
-/// In a harmonic trap ⟨x²⟩ = kT/k by g-BAOAB, whatever the step, and kT/(k (1 − h²k/4)) with heat at the ends of a
-/// step.
+/// In a harmonic trap of k = 1 and h = 1, where ω²h²/4 = ¼: by g-BAOAB ⟨x²⟩ = kT/k, whatever the step, and ⟨p²⟩/m = kT
+/// (1 − h²k/4m); with heat at the ends of a step ⟨x²⟩ = kT/(k (1 − h²k/4m)), and ⟨p²⟩/m = kT.
 #[test]
 fn averages_in_a_trap_are_what_theory_says() {
     const BODIES: usize = 300;
-    fn mean_square(method: impl Method) -> [f64; 2] {
+    fn mean_squares(method: impl Method) -> [[f64; 2]; 2] {
         let heat = Langevin { friction: 1.0, temperature: KT, seed: 3 };
         let scene = Scene::points(BODIES).with(Harmonic { stiffness: 1.0, centre: [0.0; 3] }).with(heat);
         let mut simulation = scene.simulate(State::of([[0.0; 3]; BODIES]), method).unwrap();
         simulation.run(30).unwrap();
-        let mut sums = vec![0.0; BODIES];
+        let mut sums = vec![[0.0; 2]; BODIES];
         let steps = 300;
         simulation
             .run_with(steps, |now| {
-                sums.iter_mut().zip(now.positions()).for_each(|(sum, q)| *sum += q.norm_squared() / 3.0);
+                for ((sum, q), p) in sums.iter_mut().zip(now.positions()).zip(now.momenta()) {
+                    *sum = [sum[0] + q.norm_squared() / 3.0, sum[1] + p.norm_squared() / 3.0];
+                }
             })
             .unwrap();
-        let means = sums.iter().map(|sum| sum / steps as f64);
-        let mean = means.clone().sum::<f64>() / BODIES as f64;
-        let variance = means.map(|x| (x - mean).powi(2)).sum::<f64>() / (BODIES - 1) as f64;
-        [mean, (variance / BODIES as f64).sqrt()]
+        [0, 1].map(|which| {
+            let means = sums.iter().map(|sum| sum[which] / steps as f64);
+            let mean = means.clone().sum::<f64>() / BODIES as f64;
+            let variance = means.map(|x| (x - mean).powi(2)).sum::<f64>() / (BODIES - 1) as f64;
+            [mean, (variance / BODIES as f64).sqrt()]
+        })
     }
-    let [middle, sigma] = mean_square(Baoab::new(1.0));
-    assert!((middle - KT).abs() < DEVIATIONS * sigma, "{middle} ± {sigma:.1e} of {KT}");
-    let ([ends, sigma], wrong) = (mean_square(Rattle::new(1.0)), KT / 0.75);
-    assert!((ends - wrong).abs() < DEVIATIONS * sigma, "{ends} ± {sigma:.1e} of {wrong}");
-    assert!(sigma < 0.02 * KT, "noise that hides a difference of a third");
+    let check = |found: [[f64; 2]; 2], exact: [f64; 2]| {
+        for ([mean, sigma], exact) in found.into_iter().zip(exact) {
+            assert!((mean - exact).abs() < DEVIATIONS * sigma, "{mean} ± {sigma:.1e} of {exact}");
+            assert!(sigma < 0.02 * KT, "noise that hides a difference of a quarter");
+        }
+    };
+    check(mean_squares(Baoab::new(1.0)), [KT, 0.75 * KT]);
+    check(mean_squares(Rattle::new(1.0)), [KT / 0.75, KT]);
 }
 
 /// The table in the documentation of [`rattle::methods::baoab`]:
@@ -282,7 +289,7 @@ fn heat_is_work() {
 }
 
 /// Bodies in a Nosé–Hoover chain, which repel each other: the energy of bodies and bath is kept to second order without
-/// drift, the kinetic energy is canonical, and a restart goes on to the bit.
+/// drift, the kinetic energy is canonical by mean and variance, and a restart goes on to the bit.
 #[test]
 fn a_bath_without_chance() {
     let sphere = Sphere { r: 2.0 };
@@ -292,25 +299,31 @@ fn a_bath_without_chance() {
     let swing = |h: f64, time: f64| {
         let method = NoseHoover::new(KT, 0.5, h);
         let mut simulation = gas.simulate(start.clone(), method).unwrap();
-        let (first, mut most, mut sum) = (simulation.energy(), [0.0_f64; 2], 0.0);
+        let (first, mut most, mut sums) = (simulation.energy(), [0.0_f64; 2], [0.0; 2]);
         let steps = (time / h).round() as u64;
         for part in 0..2 {
             simulation
                 .run_with(steps / 2, |now| {
                     let kept = now.energy() + method.bath_energy(now.memory(), now.freedom());
                     most[part] = most[part].max((kept - first).abs());
-                    sum += now.temperature();
+                    let now = now.temperature();
+                    sums = [sums[0] + now, sums[1] + now * now];
                 })
                 .unwrap();
         }
-        (most, sum / steps as f64, simulation)
+        (most, sums.map(|sum| sum / steps as f64), simulation)
     };
     let swings = [0.01, 0.005, 0.0025].map(|h| swing(h, 10.0).0[0]);
     assert!((1.7..2.3).contains(&crate::common::order(&swings)), "{swings:?}");
-    let ([first, second], mean, simulation) = swing(0.01, 150.0);
+    let ([first, second], [mean, square], simulation) = swing(0.01, 300.0);
     assert!(second < 1.5 * first, "no drift: {first:.1e}, {second:.1e}");
-    // Kinetic energies forget within the swing of the bath, some 1: 150 samples of 16 momenta.
-    assert!((mean - KT).abs() < DEVIATIONS * KT * (2.0 / 16.0 / 150.0_f64).sqrt(), "{mean}");
+    // Kinetic energies forget within the swing of the bath, some 1: 300 samples of N = 16 momenta, of which 2K/N has
+    // the variance 2(kT)²/N, and the fourth moment (3 + 12/N) times its square.
+    let (n, freedom, variance) = (300.0_f64, 16.0, square - mean * mean);
+    let exact = 2.0 / freedom * KT * KT;
+    assert!((mean - KT).abs() < DEVIATIONS * (exact / n).sqrt(), "{mean}");
+    let of_variance = exact * ((2.0 + 12.0 / freedom) / n).sqrt();
+    assert!((variance - exact).abs() < DEVIATIONS * of_variance, "{variance} of {exact}");
     let mut again = gas.simulate(simulation.state(), *simulation.method()).unwrap();
     let mut simulation = simulation;
     again.run(10).unwrap();

@@ -30,6 +30,8 @@ mod geodesics_far;
 mod heat;
 #[path = "../heat_divided.rs"]
 mod heat_divided;
+#[path = "../heat_places.rs"]
+mod heat_places;
 #[path = "../impacts.rs"]
 mod impacts;
 #[path = "../impacts_found.rs"]

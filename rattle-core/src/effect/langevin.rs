@@ -20,9 +20,11 @@ use crate::number::vector::{scaled, sum};
 /// that area.
 ///
 /// With [`Rattle`](crate::methods::rattle::Rattle) a step is the splitting O B A B O (A: drift, B: kick, O: friction
-/// and noise); with [`Baoab`](crate::methods::baoab::Baoab) it is B A O A B. The latter has far smaller errors in
-/// averages over positions, and takes less time in the SIMD lanes of ensembles: use it. Heat counts as
-/// [work](crate::run::simulation::Simulation::work), so the energy error is that of the method.
+/// and noise); with [`Baoab`](crate::methods::baoab::Baoab) it is B A O A B. The latter has smaller errors in averages
+/// over positions, none in a harmonic trap, and takes less time in the SIMD lanes of ensembles: use it. Its momenta are
+/// colder under stiff forces: `temperature()` is kT (1 − h²ω²/4) in a harmonic trap of frequency ω, and kT with
+/// `Rattle`. Heat counts as [work](crate::run::simulation::Simulation::work), so the energy error is that of the
+/// method.
 ///
 /// Steps that do not resolve the friction, h γ above ½, still have the right averages over positions by `Baoab`, but
 /// not the right ways: drift velocities under a force and diffusion constants are x coth x times what they should be, x

@@ -108,3 +108,29 @@ fn chi_squared(noise: &Noise, seed: u64, number: usize) -> f64 {
     });
     tries.flatten().next().unwrap_or(2.0 * d)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// χ² of N squares has the mean N, the variance 2N and the fourth moment (3 + 12/N) (2N)²: one by one up to 64, and
+    /// by the gamma distribution. Bounds are 4.5 standard deviations.
+    #[test]
+    fn sums_of_squares() {
+        for number in [1, 64, 65, 200] {
+            let samples: u32 = 100_000;
+            let draw = |step| {
+                let noise = Noise { step: u64::from(step), ..Noise::default() };
+                chi_squared(&noise, 1, number)
+            };
+            let (n, exact) = (f64::from(samples), number as f64);
+            let [sum, square] = (0..samples)
+                .map(draw)
+                .fold([0.0; 2], |[sum, square], x| [sum + (x - exact), square + (x - exact).powi(2)]);
+            let (off, variance) = (sum / n, square / n - (sum / n).powi(2));
+            let of_variance = 2.0 * exact * ((2.0 + 12.0 / exact) / n).sqrt();
+            assert!(off.abs() < 4.5 * (2.0 * exact / n).sqrt(), "{number}: {off}");
+            assert!((variance - 2.0 * exact).abs() < 4.5 * of_variance, "{number}: {variance}");
+        }
+    }
+}

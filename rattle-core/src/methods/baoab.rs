@@ -8,17 +8,21 @@
 //! B   p ← p + h/2 f(q), tangent
 //! ```
 //!
-//! Averages over positions have errors that fall like h², with a constant far below that of the splitting O B A B O,
-//! which [`Rattle`](crate::methods::rattle::Rattle) makes with the same effects; in a harmonic trap they are exact. The
-//! table shows the measured error of the mean height of a body on a sphere of radius 2 under gravity ½, at kT = ½ and γ
-//! = 1, where the exact mean is −1.0746 (`cargo test --release --test effects heat::table -- --ignored --nocapture`;
-//! the noise is 5e-4):
+//! Averages over positions have errors that fall like h². Those of the splitting O B A B O, which
+//! [`Rattle`](crate::methods::rattle::Rattle) makes with the same effects, are some three times as large in the table;
+//! in a harmonic trap g-BAOAB has none. The table shows the measured error of the mean height of a body on a sphere of
+//! radius 2 under gravity ½, at kT = ½ and γ = 1, where the exact mean is −1.0746
+//! (`cargo test --release --test effects heat::table -- --ignored --nocapture`; the noise is 5e-4):
 //!
 //! | h | `Baoab::new(h)` | `Baoab::with_inner(4, h)` | `Rattle::new(h)` |
 //! |---|---|---|---|
 //! | 0.1 | −3e-4 | −4e-4 | 8e-4 |
 //! | 0.2 | 1.5e-3 | 1.0e-3 | 4.3e-3 |
 //! | 0.3 | 2.8e-3 | 1.6e-3 | 9.8e-3 |
+//!
+//! Averages over momenta are not as good: in a harmonic trap of frequency ω the momenta at the ends of steps have the
+//! temperature kT (1 − h²ω²/4), whatever γ is, so that `temperature()` reads low under stiff forces. By O B A B O it is
+//! kT there, and ⟨q²⟩ is too large by 1/(1 − h²ω²/4).
 //!
 //! Averages over positions say nothing of ways: where steps do not resolve the friction γ, bodies drift and diffuse x
 //! coth x times as fast as they should, x = h γ/2 (1.08 at h γ = 1, 5 at 10), by `Rattle` too. Overdamped motion is
