@@ -72,8 +72,9 @@ pub struct Dop853 {
 }
 
 impl Dop853 {
-    /// The method with fixed steps of size `h`, in the unit of time. A step that is too long is an error only where its
-    /// end cannot be projected onto the constraint.
+    /// The method with fixed steps of size `h`, in the unit of time. A step that is too long is an error where its end
+    /// cannot be projected onto the constraint, where it may lie on another sheet or beyond a kink, where normals turn
+    /// over or the energy jumps, and where stages are no numbers. Elsewhere it is inaccurate without a word.
     #[must_use]
     pub fn new(h: f64) -> Self {
         Self { h, tolerance: None }

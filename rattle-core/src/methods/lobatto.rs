@@ -40,7 +40,7 @@ use crate::number::real::Scalar;
 ///
 /// The iteration for the stages begins with the acceleration at the start (`G` = [`FromState`]), so a step is a pure
 /// function of the state. With [`guess`](Self::guess) it begins with values extrapolated from the stages of the step
-/// before.
+/// before. In the lanes of an [ensemble](crate::run::ensemble) it always begins so, whatever `G` is.
 #[doc(alias = "high order")]
 #[doc(alias = "implicit Runge-Kutta")]
 #[doc(alias = "collocation")]

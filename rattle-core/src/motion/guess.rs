@@ -7,7 +7,8 @@
 //! | [`Extrapolated`] | λ continued from the last three steps | h³ | not needed |
 //!
 //! A guess changes how many evaluations a step takes; it changes the result in its last bits only. Where the guess is
-//! wrong by more than a hundredth of the length of the step's path, the step is repeated from [`FromState`].
+//! wrong by more than a hundredth of the length of the step's path, the step is repeated from [`FromState`]. What
+//! steps begin with in the lanes of an [ensemble](crate::run::ensemble) is told there.
 
 use crate::number::real::Scalar;
 use std::fmt::Debug;
