@@ -20,7 +20,7 @@
 //! Where they differ by more than the last terms of the series, which tell what it
 //! leaves out, the change is sought by bisection, and the inner step ends right behind it: the series may be wrong for
 //! as long as this leads the body off, with velocities times h, by no more than the tolerance. What is entered and left
-//! within a quarter of one inner step is not seen: h bounds the inner steps, and must be no longer than what acts is
+//! within 0.27 of one inner step may not be seen: h bounds the inner steps, and must be no longer than what acts is
 //! met for. Where an inner step begins on the edge of a branch itself, there is no series, and bodies go a little way
 //! by their rates alone, as long as that leads them off by no more than the tolerance. Without a tolerance nothing is
 //! compared.
@@ -67,7 +67,7 @@ pub(crate) const INSIDE: [f64; 3] = [0.24, 0.49, 0.76];
 const LED: usize = 2;
 
 /// By so many roundings of places, and of what the series is made of, accelerations may differ.
-pub(crate) const ROUNDINGS: f64 = 64.0;
+pub(crate) const ROUNDINGS_OF_SERIES: f64 = 64.0;
 
 /// Taylor's method, with fixed steps or with a tolerance.
 ///
@@ -95,7 +95,7 @@ impl Taylor {
 
     /// The method with steps of size `h`, each divided into as many inner steps as needed, at most 10⁶, to keep the
     /// last terms of positions, and of velocities times h, below the tolerance, a length. A force that is met for less
-    /// than a quarter of `h` may not be seen. Of low orders inner steps are short beyond use: terms of v t are below
+    /// than 0.27 `h` may not be seen. Of low orders inner steps are short beyond use: terms of v t are below
     /// the tolerance where the order is 2; take 8 or more.
     #[doc(alias = "dt")]
     #[doc(alias = "tolerance")]
@@ -414,7 +414,7 @@ impl Taylor {
     ) -> f64 {
         let (n, unit) = (bodies.q.as_ref().len(), motion.unit(bodies));
         let (step, orders) = (T::from_f64(inner / unit), self.coefficients());
-        let [rounding, square] = [ROUNDINGS * T::EPSILON, unit * unit].map(T::from_f64);
+        let [rounding, square] = [ROUNDINGS_OF_SERIES * T::EPSILON, unit * unit].map(T::from_f64);
         rates.evaluate_rates(bodies, there, &mut ());
         let mut bend = 0.0_f64;
         for body in 0..n {

@@ -10,7 +10,7 @@
 //! nearer cache, and lanes that have arrived are left out where all of a few have.
 
 use crate::kernel::series::{Products, blocks, unit_near};
-use crate::methods::taylor::{INSIDE, Taylor};
+use crate::methods::taylor::{INSIDE, ROUNDINGS_OF_SERIES, Taylor};
 use crate::motion::method::Method;
 use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
@@ -21,7 +21,7 @@ use crate::run::ensemble::linked_series_law::SeriesLaws;
 use crate::run::ensemble::linked_stand::{Departs, Pulls, Stand};
 use crate::run::ensemble::pace::MOVES;
 use crate::run::ensemble::series_in_lanes::PullingInSeries;
-use crate::run::ensemble::taylor_row::{ROUNDINGS_OF_SERIES, few_of, last_terms, measure, sum_up};
+use crate::run::ensemble::taylor_row::{few_of, last_terms, measure, sum_up};
 use crate::systems::network::in_lanes::{FEW, Number, Numbers, zeros};
 
 /// Where inner steps lead, by power series.

@@ -10,7 +10,7 @@
 //! numbers is a factor of several.
 
 use crate::kernel::series::unit_near;
-use crate::methods::taylor::{INSIDE, Taylor};
+use crate::methods::taylor::{INSIDE, ROUNDINGS_OF_SERIES, Taylor};
 use crate::motion::method::Method;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
@@ -19,7 +19,7 @@ use crate::run::ensemble::pace::MOVES;
 use crate::run::ensemble::rigid_row::{Inertia, Three};
 use crate::run::ensemble::rigid_stand::{Departs, Pulls, ROW, Stand};
 use crate::run::ensemble::series_in_lanes::{PullingInSeries, PullsInSeries};
-use crate::run::ensemble::taylor_row::{ROUNDINGS_OF_SERIES, few_of, measure};
+use crate::run::ensemble::taylor_row::{few_of, measure};
 use crate::systems::network::in_lanes::{FEW, Number, Numbers, zeros};
 use crate::systems::rigid::rotation::Moments;
 

@@ -4,7 +4,7 @@ use crate::effect::list::{Effects, Forces};
 use crate::effect::swept::Swept;
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::kernel::series::Order;
-use crate::methods::taylor::{INSIDE, ROUNDINGS, SMALLEST_PART, Taylor};
+use crate::methods::taylor::{INSIDE, ROUNDINGS_OF_SERIES, SMALLEST_PART, Taylor};
 use crate::motion::bodies::One;
 use crate::motion::failure::Failure;
 use crate::motion::method::Method;
@@ -231,7 +231,7 @@ fn leave_bent<S: Lane, const L: usize, const D: usize>(
     next: &mut [S; L],
     taken: &mut [bool; L],
 ) {
-    let [roundings, over_unit] = [ROUNDINGS * S::EPSILON, 1.0 / unit].map(S::from_f64);
+    let [roundings, over_unit] = [ROUNDINGS_OF_SERIES * S::EPSILON, 1.0 / unit].map(S::from_f64);
     let over_square = Lanes::from_f64(1.0 / (unit * unit));
     let mut left_out = [S::default(); L];
     for part in INSIDE {

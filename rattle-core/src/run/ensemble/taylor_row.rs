@@ -11,9 +11,6 @@ use crate::run::ensemble::pace::Pace;
 use crate::systems::network::in_lanes::{FEW, Numbers, zeros};
 use std::ops::Range;
 
-/// Accelerations may differ from those of a series by so many roundings of places in the square of an inner step.
-pub(super) const ROUNDINGS_OF_SERIES: f64 = 1024.0;
-
 /// A few lanes of these, from this one on.
 #[inline(always)]
 pub(super) fn few_of<const W: usize>(from: &Numbers<W>, first: usize, to: &mut Numbers<FEW>) {
