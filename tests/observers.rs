@@ -463,45 +463,6 @@ fn snapshots_come_in_turn_while_the_ensemble_goes_on() {
     assert_eq!((stopped, taken), (Err("full"), 3));
 }
 
-constraint! {
-    /// |q| = 1, and below z = −0.5 a thousand more spheres in each unit of length.
-    struct CloseBelow { k }
-    |x, y, z| sin((1 + k * (1 + tanh(20 * (-z - 0.5)))) * (sqrt(x^2 + y^2 + z^2) - 1))
-}
-
-/// How far off the sphere a body was shown.
-struct Off(f64);
-
-impl Observer<3> for Off {
-    fn see(&mut self, _: &Sight<'_, 3>, now: &Sight<'_, 3>) {
-        self.0 = larger(self.0, (now.position().norm() - 1.0).abs());
-    }
-    fn join(&mut self, next: Self) {
-        self.0 = larger(self.0, next.0);
-    }
-}
-
-/// What was shown cannot be taken back: that bodies are on their own sheet is asked before, however many states are
-/// written side by side until then. And where |∇g| changes a thousandfold within a step or two, neither what is
-/// extrapolated from the steps before leads anywhere, nor is a body among the spheres unnoticed until it has left them.
-#[test]
-fn what_is_shown_is_on_its_own_sheet() {
-    let starts = (0..100).map(|i| {
-        let (sin, cos) = (f64::from(i) * 0.06).sin_cos();
-        State::at([0.0, 0.0, 1.0]).moving([0.5 * cos, 0.5 * sin, 0.0])
-    });
-    let steps = if cfg!(long) { 300 } else { 90 };
-    for (k, shown) in [(100.0, [1, steps]), (500.0, [3, steps])] {
-        let scene = Scene::on(CloseBelow { k }).with(Gravity { g: 1.0 });
-        for every in shown {
-            let mut ensemble = scene.ensemble(starts.clone(), Rattle::new(0.1)).unwrap();
-            let off = ensemble.observe(steps, every, || Off(0.0));
-            assert!(off.0 < 1e-12, "{:e} off, k = {k}, shown each {every}", off.0);
-            assert_eq!(ensemble.failures().count(), 0);
-        }
-    }
-}
-
 /// The uncertainty of a mean along one trajectory, of steps that remember some twenty before, is what the means of 64
 /// trajectories are apart by; by the variance it were a seventh. And of one that remembers nothing it is that by the
 /// variance, for any number of sights.

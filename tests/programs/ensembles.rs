@@ -10,6 +10,8 @@ mod ensemble;
 mod ensemble_retry;
 #[path = "../observers.rs"]
 mod observers;
+#[path = "../shown_sheets.rs"]
+mod shown_sheets;
 #[path = "../single_precision.rs"]
 mod single_precision;
 #[path = "../sweeps.rs"]

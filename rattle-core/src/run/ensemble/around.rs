@@ -8,7 +8,7 @@ use crate::run::ensemble::block::{Block, Part};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::LOOKING;
-use crate::solve::crowd::{FARTHER, is_alone, reach, rises, shares, shift};
+use crate::solve::crowd::{EVERY, FARTHER, is_alone, reach, rises, shares, shift};
 use std::borrow::Borrow;
 
 /// An error for the first of these lanes that has another sheet near, after so many steps: where g does not rise along
@@ -36,8 +36,8 @@ pub(super) fn look_around<S: Lane, const L: usize, const D: usize>(
     crowded.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
 }
 
-/// Looks around all lanes, at these places, momenta, normals and accelerations, as far as steps that do not follow
-/// their root may have led astray since it was looked before.
+/// Looks around all lanes after so many steps, at these places, momenta, normals and accelerations, as far as steps
+/// that do not follow their root may have led astray since it was looked in its [turn](EVERY).
 #[inline(always)]
 pub(super) fn look_as_far<S: Lane, const L: usize, const D: usize>(
     laws: &impl Laws<S, D>,
@@ -49,11 +49,13 @@ pub(super) fn look_as_far<S: Lane, const L: usize, const D: usize>(
     let zero = S::default();
     let (mut square, mut furthest) = ([zero; L], [zero; L]);
     for l in 0..L {
-        asked[l] = reach(astray[l], asked[l]);
-        astray[l] = zero;
+        let far = reach(astray[l], asked[l]);
+        if steps.is_multiple_of(EVERY) {
+            (asked[l], astray[l]) = (far, zero);
+        }
         let (n, p) = (at(normal, l), at(p, l));
         square[l] = dot(&n, &n);
-        furthest[l] = shift(asked[l], square[l], dot(&p, &p), dot(&n, &at(pull, l)));
+        furthest[l] = shift(far, square[l], dot(&p, &p), dot(&n, &at(pull, l)));
     }
     look_around(laws, steps, &[true; L], q, normal, &square, &furthest)
 }

@@ -219,28 +219,29 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
         let (laws, tableau) = (laws.clone(), tableau.clone()); // out of reach of what the loops write
         let mut desk = Desk { row: row.clone(), scratch: Scratch::new() };
         let Desk { row, scratch } = &mut desk;
-        while let Some(Leg { from, steps, written, .. }) = tour.next() {
-            for now in from..from + steps {
-                if now % EVERY == 0 && now > 0 {
-                    let Row { q, p, normal, total, asked, astray, .. } = &mut *row;
-                    look_as_far(&laws, now, [q, p, normal, &total[N - 1]], asked, astray)?;
-                }
+        while let Some(Leg { from, steps, written, shown }) = tour.next() {
+            let end = from + steps;
+            for now in from + 1..=end {
                 if !advance(row, &laws, &tableau, scratch) {
-                    let Scratch { going, end, .. } = &mut *scratch;
+                    let Scratch { going, end: there, .. } = &mut *scratch;
                     for (lane, &going) in
                         going.iter().enumerate().filter(|&(_, &going)| going != S::default())
                     {
                         if going != S::from_f64(LOOKING) {
-                            move_apart(row, lane, &laws, table, *h, now + 1, end)?;
+                            move_apart(row, lane, &laws, table, *h, now, there)?;
                         }
-                        let there = [&end.q, &end.p, &end.normal, &end.total];
-                        ask_around(&laws, lane, there, end.strays[lane], &mut row.asked[lane])?;
+                        let place = [&there.q, &there.p, &there.normal, &there.total];
+                        ask_around(&laws, lane, place, there.strays[lane], &mut row.asked[lane])?;
                     }
                 }
                 if const { !X::Constraint::KINKS.is_empty() } {
                     crossings(&laws, &row.q, &scratch.end.q)?;
                 }
                 row.take(&scratch.end);
+                if now % EVERY == 0 || (shown && now == end) {
+                    let Row { q, p, normal, total, asked, astray, .. } = &mut *row;
+                    look_as_far(&laws, now, [q, p, normal, &total[N - 1]], asked, astray)?;
+                }
             }
             if let Some(written) = written {
                 let (q, p) = (&row.q, &row.p);

@@ -48,6 +48,8 @@ pub(super) struct ProjectedSteps<'a, 'b, const W: usize> {
     pub(super) kept: &'a mut Kept<W>,
     pub(super) from: u64,
     pub(super) steps: u64,
+    /// Whether it is to be asked at the end whether other sheets are near.
+    pub(super) looks: bool,
 }
 
 impl<const W: usize> Work for ProjectedSteps<'_, '_, W> {
@@ -55,7 +57,7 @@ impl<const W: usize> Work for ProjectedSteps<'_, '_, W> {
 
     #[inline(always)]
     fn run(self) -> Result<(), Vec<Stuck>> {
-        let Self { mut pulling, apart, copy_of, desk, kept, from, steps } = self;
+        let Self { mut pulling, apart, copy_of, desk, kept, from, steps, looks } = self;
         if !desk.stand.there {
             kept.state
                 .iter()
@@ -64,7 +66,8 @@ impl<const W: usize> Work for ProjectedSteps<'_, '_, W> {
             desk.stand.past.copy_from_slice(&kept.past);
             desk.stand.be_there(&mut pulling);
         }
-        for number in from..from + steps {
+        let end = from + steps;
+        for number in from..end {
             desk.step(&mut pulling);
             if desk.stand.pace.going.contains(&BY_ITSELF) {
                 let (going, put) =
@@ -76,7 +79,7 @@ impl<const W: usize> Work for ProjectedSteps<'_, '_, W> {
                 .iter_mut()
                 .zip(state(&mut desk.stand.tracks))
                 .for_each(|(to, from)| to.copy_from_slice(from));
-            desk.look_around(number + 1, kept)?;
+            desk.look_around(number + 1, looks && number + 1 == end, kept)?;
         }
         kept.past.copy_from_slice(&desk.stand.past);
         Ok(())
@@ -344,23 +347,25 @@ impl<'a, const W: usize> Desk<'a, W> {
     }
 
     /// Looks for other sheets around lanes that may have gone farther astray than was looked, and now and then around
-    /// all, as a simulation does.
+    /// all, as a simulation does; around all also where `looks` says so.
     #[inline(always)]
-    fn look_around(&mut self, steps: u64, kept: &mut Kept<W>) -> Result<(), Vec<Stuck>> {
+    fn look_around(&mut self, steps: u64, looks: bool, kept: &mut Kept<W>) -> Result<(), Vec<Stuck>> {
         let (due, mut farther) = (steps.is_multiple_of(EVERY), [0; W]);
+        let mut far = zeros();
         for l in 0..W {
             let (strays, asked, astray) = (self.strays.0[l], &mut kept.asked.0[l], &mut kept.astray.0[l]);
             *astray = astray.max(strays);
             let within = strays.0 <= asked.0; // not where it is no number
             farther[l] = u64::from(!within);
+            far.0[l] = reach(*astray, *asked);
             if due | !within {
-                (*asked, *astray) = (reach(*astray, *asked), Fused(0.0));
+                (*asked, *astray) = (far.0[l], Fused(0.0));
             }
         }
         if any(&farther) {
-            self.look_for_others(0, &farther, &kept.asked)?;
+            self.look_for_others(0, &farther, &far)?;
         }
-        if due { self.look_for_others(steps, &[1; W], &kept.asked) } else { Ok(()) }
+        if due | looks { self.look_for_others(steps, &[1; W], &far) } else { Ok(()) }
     }
 
     /// Looks for other sheets around these lanes.

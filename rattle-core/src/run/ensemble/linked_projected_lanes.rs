@@ -267,7 +267,7 @@ where
         };
         let stand = Stand::new(course, self.method.method(), D, kept.past.len());
         let mut desk = Desk::new(stand, self.method.departs(plan, D));
-        while let Some(Leg { from, steps, written, .. }) = tour.next() {
+        while let Some(Leg { from, steps, written, shown }) = tour.next() {
             Width::project(ProjectedSteps {
                 pulling: room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<LinkedRow, W>),
                 apart: &mut apart,
@@ -276,6 +276,7 @@ where
                 kept: &mut kept,
                 from,
                 steps,
+                looks: shown,
             })?;
             if let Some(written) = written {
                 let bodies = (0..W).flat_map(|lane| self.bodies_of(&kept, lane)).collect::<Vec<_>>();

@@ -197,18 +197,19 @@ where
         let (laws, h) = (lanes.laws.clone(), S::from_f64(lanes.h)); // out of reach of what the loops write
         let mut desk = Desk { row: lanes.row.clone(), scratch: Scratch::new(lanes.method.room()) };
         let Desk { row, scratch } = &mut desk;
-        while let Some(Leg { from, steps, written, .. }) = tour.next() {
-            for number in from..from + steps {
-                if number % EVERY == 0 && number > 0 {
-                    let Row { place, asked, astray } = &mut *row;
-                    look_as_far(&laws, number, place.vectors(), asked, astray)?;
-                }
+        while let Some(Leg { from, steps, written, shown }) = tour.next() {
+            let end = from + steps;
+            for now in from + 1..=end {
                 if !advance::<S, M, L, D, SUMS>(row, &laws, &lanes.method, h, scratch) {
-                    all_apart(lanes, &laws, number + 1, &copy_of, row, scratch)?;
+                    all_apart(lanes, &laws, now, &copy_of, row, scratch)?;
                 }
                 row.place = scratch.now;
                 for l in 0..L {
                     row.astray[l] = row.astray[l].max(scratch.strays[l]);
+                }
+                if now % EVERY == 0 || (shown && now == end) {
+                    let Row { place, asked, astray } = &mut *row;
+                    look_as_far(&laws, now, place.vectors(), asked, astray)?;
                 }
             }
             if let Some(written) = written {

@@ -222,13 +222,19 @@ where
         let Desk { block, scratch, .. } = &mut desk;
         let mut limits = lanes.limits.clone();
         let mut steps_of = Stepping { lanes, laws: &laws, block, scratch, limits: &mut limits };
-        while let Some(Leg { from, steps, written, .. }) = tour.next() {
+        while let Some(Leg { from, steps, written, shown }) = tour.next() {
             if from == 0 && steps > 0 {
                 steps_of.forget();
             }
-            for now in from..from + steps {
-                if now % EVERY == 0 {
+            let end = from + steps;
+            // One place where it looks around, since all of that is inlined.
+            for now in from..=end {
+                let due = if now == end { shown && steps > 0 } else { now % EVERY == 0 };
+                if due {
                     steps_of.look_around(now)?;
+                }
+                if now == end {
+                    break;
                 }
                 steps_of.block.measure_after(now);
                 let start = steps_of.block.q;
