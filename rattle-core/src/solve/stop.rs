@@ -140,6 +140,10 @@ impl Stalling {
     }
 }
 
+/// The end of a step whose stages are solved together is left where equations are off by no more roundings of the
+/// coordinates that reach them, times the root of their number.
+pub(crate) const OFF_AT_END: f64 = 1024.0;
+
 /// Corrections that no longer shrink by half are the rounding of the functions themselves, if they are below so many
 /// roundings of the coordinates.
 pub(crate) const NOISE: f64 = 64.0;

@@ -213,6 +213,8 @@ pub(super) struct LinkedPlan {
     pub(super) of_entry: Vec<[usize; 2]>,
     /// For each equation its entries and their coordinates, in the order of these.
     pub(super) of_row: Vec<Vec<[usize; 2]>>,
+    /// The equations of each component.
+    pub(super) components: Vec<Range<usize>>,
     /// The number of each row among the equations of the scene.
     pub(super) equation: Vec<usize>,
     /// The trial, from what is free and Λ.
@@ -294,6 +296,7 @@ impl LinkedPlan {
             masses,
             of_entry: vec![[usize::MAX; 2]; entries],
             of_row: vec![Vec::new(); m],
+            components: Vec::new(),
             equation: vec![0; m],
             place: Sheet::default(),
             displace: Sheet::default(),
@@ -313,6 +316,7 @@ impl LinkedPlan {
         }
         let mut by_coordinate = vec![Vec::new(); n];
         for piece in &pieces {
+            plan.components.push(piece.row..piece.row + piece.rows.equations());
             for row in 0..piece.rows.equations() {
                 plan.equation[piece.row + row] = piece.rows.equation(row);
                 for (block, body) in piece.rows.touched_by(row) {

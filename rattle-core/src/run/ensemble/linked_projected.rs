@@ -21,7 +21,7 @@ use crate::number::real::Real;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::linked_plan::{Places, add_product};
 use crate::run::ensemble::linked_projected_row::{
-    Kept, Landed, Sums, bent, between, forget, furthest, may_be, move_by, shift, terms,
+    Kept, Landed, Sums, bent, between, farther, forget, furthest, may_be, move_by, shift, terms,
 };
 use crate::run::ensemble::linked_row::{Course, PIVOT};
 use crate::run::ensemble::linked_stand::{Departs, Pulls, Stand};
@@ -29,7 +29,7 @@ use crate::run::ensemble::pace::{ARRIVED, BY_ITSELF, MOST_NEWTON_STEPS, MOST_PAS
 use crate::run::ensemble::track::{choose, put, state};
 use crate::solve::aim::{INSIDE, ROUNDINGS};
 use crate::solve::crowd::{EVERY, OF_RADIUS, RISES, reach, shares};
-use crate::solve::stop::NOISE;
+use crate::solve::stop::{NOISE, OFF_AT_END};
 use crate::systems::network::in_lanes::{Numbers, Which, any, zeros};
 
 /// A Newton step leaves less than this part of the distance.
@@ -165,9 +165,13 @@ impl<'a, const W: usize> Desk<'a, W> {
                 self.seeking[l] = if pace.takes(l) { MOVES } else { ARRIVED };
                 self.distance.0[l] = Fused(f64::INFINITY);
             }
-            for _ in 0..MOST_NEWTON_STEPS {
-                if !self.approach() {
-                    break;
+            if self.method.lands() {
+                self.stay();
+            } else {
+                for _ in 0..MOST_NEWTON_STEPS {
+                    if !self.approach() {
+                        break;
+                    }
                 }
             }
             self.method.kick(&mut self.stand, pulling);
@@ -182,14 +186,40 @@ impl<'a, const W: usize> Desk<'a, W> {
         }
     }
 
+    /// Has lanes go by themselves that are not on the constraints but for rounding, as simulations judge it that
+    /// [collocate](crate::systems::linked).
+    #[inline(always)]
+    fn stay(&mut self) {
+        let Self { stand: Stand { course, numbers, .. }, seeking, .. } = self;
+        let Course { plan, links, over, set, .. } = *course;
+        let Places { q, g, gradient, .. } = plan.places;
+        links.gradients(plan, set, q, numbers);
+        plan.lift(over, numbers);
+        *seeking = [ARRIVED; W];
+        for rows in &plan.components {
+            let (mut far, mut size) = (zeros::<W>(), zeros::<W>());
+            for i in rows.clone() {
+                let (mut square, mut along, mut most) = (zeros::<W>(), zeros::<W>(), zeros::<W>());
+                for &[entry, c] in &plan.of_row[i] {
+                    terms(&numbers[gradient + entry], &numbers[q + c], &mut square, &mut along, &mut most);
+                }
+                farther(&numbers[g + i], [&square, &along, &most], &mut far, &mut size);
+            }
+            let allowed = OFF_AT_END * (rows.len() as f64).sqrt() * f64::EPSILON;
+            for l in 0..W {
+                let holds = far.0[l].0 <= allowed * size.0[l].0; // not where it is no number
+                seeking[l] = if holds { seeking[l] } else { BY_ITSELF };
+            }
+        }
+    }
+
     /// A Newton step towards the constraints, as [`Nearing`](crate::solve::nearing::Nearing) judges it. Returns whether
     /// a lane is still seeking.
     #[inline(always)]
     fn approach(&mut self) -> bool {
-        let Self { stand: Stand { course, numbers, .. }, method, seeking, distance, .. } = self;
+        let Self { stand: Stand { course, numbers, .. }, seeking, distance, .. } = self;
         let Course { plan, links, over, set, .. } = *course;
         let Places { q, q_low, g, gradient, change, .. } = plan.places;
-        let lands = method.lands();
         links.gradients(plan, set, q, numbers);
         plan.lift(over, numbers);
         let (mut far, mut roundings) = (zeros::<W>(), zeros::<W>());
@@ -205,7 +235,7 @@ impl<'a, const W: usize> Desk<'a, W> {
         for l in 0..W {
             let (far, last, roundings) = (far.0[l].0, distance.0[l].0, roundings.0[l].0);
             let near = roundings <= long;
-            let arrived = (roundings <= 1.0) | (near & (lands | (last <= 2.0 * far)));
+            let arrived = (roundings <= 1.0) | (near & (last <= 2.0 * far));
             let nearer = near | (far < NEARER * last);
             let seeks = seeking[l] == MOVES;
             moves[l] = u64::from(seeks & !arrived & nearer);

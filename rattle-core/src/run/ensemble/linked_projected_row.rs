@@ -181,6 +181,25 @@ pub(super) fn furthest<const W: usize>(
     }
 }
 
+/// Notes how far an equation is from its constraint, and how large the coordinates are whose rounding moves it.
+#[inline(always)]
+pub(super) fn farther<const W: usize>(
+    g: &Numbers<W>,
+    [square, along, most]: [&Numbers<W>; 3],
+    far: &mut Numbers<W>,
+    size: &mut Numbers<W>,
+) {
+    for l in 0..W {
+        let (g, length) = (g.0[l].abs(), square.0[l].sqrt());
+        let own = size_of_terms(along.0[l], Fused(0.0), most.0[l] * length) / length;
+        let off = Real::select(g.0 == 0.0, g, g / length);
+        // Where one of them is no number it remains so.
+        let (last, nearer) = (far.0[l], (off.0 <= far.0[l].0) | far.0[l].0.is_nan());
+        far.0[l] = Real::select(nearer, last, off);
+        size.0[l] = size.0[l].max(own);
+    }
+}
+
 /// Adds an entry of a normal to what g may be inside of a step.
 #[inline(always)]
 pub(super) fn may_be<const W: usize>(

@@ -22,7 +22,7 @@ pub(super) trait Departs<const W: usize> {
     fn depart(&mut self, stand: &mut Stand<'_, W>, pulling: &mut Pulls<'_, '_, W>);
 
     /// Whether where it leads is on the constraints but for rounding, which is then left as it is: moved, places would
-    /// be of other multipliers than velocities are, and energies drift.
+    /// be of other multipliers than velocities are, and energies drift. Lanes that are farther off go by themselves.
     fn lands(&self) -> bool {
         false
     }

@@ -28,7 +28,7 @@ use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::solve::aim::noise_of_terms;
-use crate::solve::stop::{LAST_OF_STAGES, NOISE, Stalling};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE, OFF_AT_END, Stalling};
 use crate::systems::linked::kept::{BodiesOf, Furthest, Linked, Tied, along};
 use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
@@ -103,7 +103,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     fn check_residuals(&self, c: usize, h: f64, bodies: &mut BodiesOf<F, N, D>) -> Result<(), Failure> {
         let rows = &self.shape.components[c].rows;
         let Furthest { distance, of_all: roundings, row, .. } = self.furthest(c, h, bodies);
-        if roundings <= 1024.0 * (rows.equations() as f64).sqrt() {
+        if roundings <= OFF_AT_END * (rows.equations() as f64).sqrt() {
             return Ok(());
         }
         if self.is_rounding(c, row, distance, bodies) {
