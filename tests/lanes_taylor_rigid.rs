@@ -156,7 +156,7 @@ fn small_changes_of_branch_are_met() {
     let method = Taylor::adaptive(20, 0.25, 1e-14);
     let mut ensemble = scene.ensemble(starts.iter().cloned(), method).unwrap();
     assert_eq!(ensemble.plan().in_lanes, in_lanes(9));
-    let off = off(&mut ensemble, |_| scene.clone(), &starts, &method, 1, MOMENTS);
+    let off = off(&mut ensemble, |_| scene, &starts, &method, 1, MOMENTS);
     // Some roundings of numbers up to 1.
     assert!(off < 1e-15, "{off:e}");
 }
