@@ -119,3 +119,42 @@ fn drag_comes_from_no_farther_than_infinity() {
         }
     }
 }
+
+/// Of three masses steps of any strength end, turn no component round, and leave less the stronger drag is: here also
+/// where Newton's method goes to and fro between two places.
+#[test]
+fn strong_drag_of_three_masses_ends() {
+    for (mass, p, most) in [
+        ([1.0, 12.0, 2000.0], [1.0, 2.0, 0.2], 3800.0),
+        ([1.0, 10.0, 1000.0], [1.0, 3.0, 0.02], 28_000.0),
+        ([1.0, 20.0, 5000.0], [0.2, 1.0, 0.1], 6500.0),
+    ] {
+        let mut before = p;
+        for share in [1e-6, 1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.2, 0.3, 0.5, 0.7, 0.8, 0.9, 1.0, 10.0, 1e4] {
+            // A half step of 1, where the free body then is does not matter.
+            let scene = Scene::point().mass(mass).with(QuadraticDrag { coefficient: share * most });
+            let mut run = scene.simulate(State::at([0.0; 3]).moving(p), Rattle::new(2.0)).unwrap();
+            run.run(1).unwrap_or_else(|error| panic!("{mass:?}, {share}: {error}"));
+            let after: [f64; 3] = run.momentum().into();
+            for i in 0..3 {
+                assert!(after[i] >= 0.0 && after[i] < before[i], "{mass:?}, {share}: {after:?}, {before:?}");
+            }
+            before = after;
+        }
+    }
+}
+
+/// A body that moves along one axis of its masses goes as one whose mass is a number, back in time too, however light
+/// it is along others.
+#[test]
+fn drag_along_one_axis_is_that_of_a_number() {
+    for (light, c) in [(1e-3, 0.3), (1e-4, 0.05), (1e-6, 0.001), (1e-2, 0.98)] {
+        let scene = Scene::point().mass([1.0, light]).with(QuadraticDrag { coefficient: c });
+        let start = State::at([0.0; 2]).moving([1.0, 0.0]);
+        let mut run = scene.simulate(start, Rattle::new(-1.0)).unwrap();
+        run.run(1).unwrap();
+        let expected = 1.0 / (1.0 - c); // of two halves that are exact
+        assert!((run.momentum().x / expected - 1.0).abs() < 1e-12, "{light:e}: {}", run.momentum());
+        assert_eq!(run.momentum().y, 0.0);
+    }
+}

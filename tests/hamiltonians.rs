@@ -39,6 +39,20 @@ hamiltonian! {
             - g * (2 * cos(q[0]) + cos(q[1]))
 }
 
+hamiltonian! {
+    /// Places that are called p, and their momenta.
+    struct Places { g }
+    |p1, p2, pp1, pp2|
+        (pp1^2 + 2 * pp2^2 - 2 * pp1 * pp2 * cos(p1 - p2)) / (2 * (1 + sin(p1 - p2)^2)) - g * (2 * cos(p1) + cos(p2))
+}
+
+hamiltonian! {
+    /// One by its letter alone.
+    struct Letters { g }
+    |q, s, p, ps|
+        (p^2 + 2 * ps^2 - 2 * p * ps * cos(q - s)) / (2 * (1 + sin(q - s)^2)) - g * (2 * cos(q) + cos(s))
+}
+
 /// Numbers mean what arrays mean, however they are called.
 #[test]
 fn numbers_mean_what_arrays_mean() {
@@ -46,8 +60,10 @@ fn numbers_mean_what_arrays_mean() {
     let of = [
         (Double { g: 1.3 }.value(&q, &p), Double { g: 1.3 }.gradients(&q, &p)),
         (Named { g: 1.3 }.value(&q, &p), Named { g: 1.3 }.gradients(&q, &p)),
+        (Places { g: 1.3 }.value(&q, &p), Places { g: 1.3 }.gradients(&q, &p)),
+        (Letters { g: 1.3 }.value(&q, &p), Letters { g: 1.3 }.gradients(&q, &p)),
     ];
-    assert_eq!(of, [(Arrays { g: 1.3 }.value(&q, &p), Arrays { g: 1.3 }.gradients(&q, &p)); 2]);
+    assert_eq!(of, [(Arrays { g: 1.3 }.value(&q, &p), Arrays { g: 1.3 }.gradients(&q, &p)); 4]);
 }
 
 /// Of T(p) + U(q) a step is leapfrog, here with sums as they come: both are rounded in each of 1000 steps.

@@ -194,7 +194,7 @@ fn a_constant_push_between_impacts_is_exact() {
 #[test]
 fn active_bodies_stay_at_a_wall() {
     let push = SelfPropulsion::new(1.0, 0.0, 1).headed([[-1.0, 0.0]]);
-    let scene = Scene::points::<2>(1).with(push).with(LinearDrag { coefficient: 2.0 });
+    let scene = Scene::points::<2>(1).with(push).with(LinearDrag::new(2.0));
     let (h, steps) = (0.05, 4000);
     let mut run = scene.simulate(State::of([[0.5, 0.0]]), Rattle::new(h)).unwrap();
     run = run.collide(Stop::above(Left {})).unwrap();

@@ -135,18 +135,23 @@ const TIME: &str = "t";
 /// Notes what is no half of coordinates before a half of momenta of the same shapes. More than two variables are told
 /// apart by their names, since an order as in `|x, px, y, py|` or `|x, y, py, px|` has the same shapes.
 fn check_halves(variables: &[Variable], problems: &mut Problems) {
-    let (coordinates, momenta) = variables.split_at(variables.len() / 2);
-    let names = |of: &[Variable]| of.iter().map(|variable| variable.name.to_string()).collect::<Vec<_>>();
-    let [of_q, of_p] = [coordinates, momenta].map(names);
-    let several = variables.len() > 2;
-    let early = of_q.iter().position(|name| if several { has_p(name) } else { is_momentum(name) });
-    if let Some(early) = early
-        && (several || (has_p(&of_q[0]) && !is_momentum(&of_p[0])) || is_coordinate(&of_p[0]))
+    let names: Vec<_> = variables.iter().map(|variable| variable.name.to_string()).collect();
+    let (half, several) = (names.len() / 2, names.len() > 2);
+    let (of_q, of_p) = names.split_at(half);
+    let is_p = |place: usize| is_momentum_among(&names, place, several);
+    if let Some(early) = (0..half).find(|&place| is_p(place))
+        && (several || is_coordinate(&of_p[0]) || !is_p(half))
     {
-        let order = in_order(variables, is_momentum).unwrap_or("|q, p|".to_owned());
+        let coordinates: Vec<_> = (0..names.len()).filter(|&place| !is_p(place)).collect();
+        let order = match several && 2 * coordinates.len() == names.len() {
+            true => with_momenta(coordinates.iter().map(|&place| &variables[place])),
+            false => in_order(variables, is_momentum).unwrap_or("|q, p|".to_owned()),
+        };
+        let order = if several { order } else { format!("|{}, {}|", of_p[0], of_q[0]) };
         let message = format!("coordinates come first, then momenta: write `{order}`");
-        return problems.note_at(&coordinates[early].name, message);
+        return problems.note_at(&variables[early].name, message);
     }
+    let (coordinates, momenta) = variables.split_at(half);
     let other = match momenta.len() > coordinates.len() {
         true => momenta.last(),
         false => coordinates.iter().zip(momenta).find(|(q, p)| q.shape != p.shape).map(|(_, p)| p),
@@ -155,22 +160,47 @@ fn check_halves(variables: &[Variable], problems: &mut Problems) {
         let message = "expected coordinates and momenta of one shape, as in `|q: [f64; 2], p: [f64; 2]|` or `|x, y, px, py|`";
         return problems.note_at(&other.name, message);
     }
-    let strange = (0..of_q.len()).find(|&place| several && !belongs(&of_p[place], &of_q[place], place));
-    if let Some(place) = strange {
-        let after = of_q.iter().map(|name| format!("p{name}"));
-        let order = of_q.iter().cloned().chain(after).collect::<Vec<_>>().join(", ");
+    if let Some(place) = (0..half).find(|&place| several && !belongs(&of_p[place], of_q, place)) {
+        let order = with_momenta(coordinates.iter());
         let message =
-            format!("momenta have the names of their coordinates, in the same order: write `|{order}|`");
+            format!("momenta have the names of their coordinates, in the same order: write `{order}`");
         problems.note_at(&momenta[place].name, message);
     }
 }
 
-/// Whether a momentum is called as that of this coordinate: of `theta1` `ptheta1`, `p_theta1` or `p1`, or by its place.
-fn belongs(momentum: &str, coordinate: &str, place: usize) -> bool {
+/// Whether a variable on phase space is a momentum by its name: that of another after a p; or among more than two what
+/// is called p, where no other has its name after a p, and among two what may be called so or as a velocity.
+fn is_momentum_among(names: &[String], place: usize, several: bool) -> bool {
+    let after_p = |name: &str| {
+        name.trim_start_matches('_').strip_prefix('p').map(|rest| rest.trim_start_matches('_').to_owned())
+    };
+    let (name, has_own) =
+        (&names[place], |name: &str| names.iter().any(|other| after_p(other).as_deref() == Some(name)));
+    let of_another = after_p(name).is_some_and(|rest| names.contains(&rest));
+    of_another || (!has_own(name) && if several { has_p(name) } else { is_momentum(name) })
+}
+
+/// These coordinates, and momenta of their names.
+fn with_momenta<'a>(coordinates: impl Iterator<Item = &'a Variable> + Clone) -> String {
+    let written = |before: &str, Variable { name, shape }: &Variable| {
+        let number = "f64".to_owned();
+        let array = shape.iter().rev().fold(number, |inner, size| format!("[{inner}; {size}]"));
+        if shape.is_empty() { format!("{before}{name}") } else { format!("{before}{name}: {array}") }
+    };
+    let momenta = coordinates.clone().map(|of| written("p", of));
+    format!("|{}|", coordinates.map(|of| written("", of)).chain(momenta).collect::<Vec<_>>().join(", "))
+}
+
+/// Whether a momentum is called as that of the coordinate of this place: of `theta1` `ptheta1`, `p_theta1` or `p1`, of
+/// `q` also `p`; or by its place, where no coordinate ends so.
+fn belongs(momentum: &str, coordinates: &[String], place: usize) -> bool {
     let Some(rest) = momentum.trim_start_matches('_').strip_prefix('p') else { return false };
-    let rest = rest.trim_start_matches('_');
+    let (rest, coordinate) = (rest.trim_start_matches('_'), &coordinates[place]);
+    if rest.is_empty() {
+        return coordinate == "q";
+    }
     let by_place = [place, place + 1].iter().any(|place| rest == place.to_string());
-    !rest.is_empty() && (coordinate.ends_with(rest) || by_place)
+    coordinate.ends_with(rest) || (by_place && !coordinates.iter().any(|other| other.ends_with(rest)))
 }
 
 /// Notes a time that is not the last variable, no number, or the only variable of a potential.

@@ -62,6 +62,22 @@ hamiltonian! {
     |r, phi, pphi, pr| (pr^2 + (pphi / r)^2) / 2
 }
 hamiltonian! {
+    pub struct Mixed {}
+    |theta, ptheta, phi, pphi| (ptheta^2 + pphi^2) / 2 + theta * phi
+}
+hamiltonian! {
+    pub struct Numbered {}
+    |q2, q1, p1, p2| (p1^2 + p2^2) / 2 + q1 * q2^2
+}
+hamiltonian! {
+    pub struct Doubled {}
+    |s: [f64; 2], q, p, ps: [f64; 2]| (dot(ps, ps) + p^2) / 2 + q * s[0]
+}
+hamiltonian! {
+    pub struct Reversed {}
+    |ptheta, theta| ptheta^2 / 2 - cos(theta)
+}
+hamiltonian! {
     pub struct Backwards {}
     |p, phi| p^2 / 2 - cos(phi)
 }

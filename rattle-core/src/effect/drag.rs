@@ -116,8 +116,9 @@ impl<const D: usize> Flow<D> for LinearDrag<D> {
 /// ```
 ///
 /// The flow is exact where the mass of a body is a number. Where it is a matrix or one for each coordinate, the way of
-/// the velocity is exact, and the speed along it of second order; half steps that leave less than half of a
-/// velocity can lack a way back there. Backwards in time a velocity was infinite at t = −m/(c |v|): steps that reach as
+/// the velocity is exact, and the speed along it of second order. There a half step that leaves less than a tenth of a
+/// component along an axis of the masses can be the end of two ways, and a step back then leads to the start of the
+/// other. Backwards in time a velocity was infinite at t = −m/(c |v|): steps that reach as
 /// far fail.
 ///
 /// ```
@@ -149,6 +150,7 @@ impl<const D: usize> Flow<D> for QuadraticDrag {
                 let x = T::from_f64(hc) * dot(&v, &v).sqrt() * inverse_mass(during.inertia, body)[0][0];
                 // v/(1 + x): infinite backwards in time at x = −1, and NaN beyond.
                 let share = T::select(zero.lt(one + x), x / (one + x), T::from_f64(f64::NAN));
+                let share = T::select(T::from_f64(ALL).lt(x), one, share); // also where x is infinite
                 scaled(-share, p)
             } else {
                 lane_by_lane(&inverse_mass(during.inertia, body), p, |inverse, p| {
@@ -227,20 +229,28 @@ fn slowed_by_the_square<const D: usize>(hc: f64, inverse: &[[f64; D]; D], p: &[f
     let course = course(reach, &rates, &squares.map(|square| square / whole));
     let mut change = [0.0; D];
     for ((rate, part), axis) in rates.iter().zip(parts).zip(&axes) {
-        change = add_scaled(&change, (-course * rate).exp_m1() * part, axis);
+        if part != 0.0 {
+            change = add_scaled(&change, (-course * rate).exp_m1() * part, axis);
+        }
     }
     change
 }
 
-/// Rounds in which the course of drag by the square is found; it takes 2 to 5 where steps resolve the drag, and 11
-/// where masses differ by 10⁸ and velocities fall by 10⁶.
+/// Of numbers above this one, x/(1 + x) is 1.
+const ALL: f64 = 1e18;
+
+/// Rounds in which the course of drag by the square is found; it takes 2 to 5 where steps resolve the drag, and 12 at
+/// most of 300 000 tries with masses that differ by up to 10⁸.
 const ROUNDS: usize = 64;
 
 /// τ with h c |v(0)| = `reach`, for parts of v² that fade with the rates 2λ of τ; NaN where time runs back and
 /// velocities were infinite.
 ///
 /// With l = ln(|v(0)|/|v(τ)|) it is where τ = ln(1 + `reach` l/τ) τ/l, found by Newton's method in ln τ between bounds.
+/// Steps that are not halved do not count on the way forwards: of three rates two places may lead to each other.
 fn course<const D: usize>(reach: f64, rates: &[f64; D], weights: &[f64; D]) -> f64 {
+    // Where nothing moves no rate is asked: backwards it may be infinite.
+    let rates: &[f64; D] = &from_fn(|i| if weights[i] > 0.0 { rates[i] } else { 0.0 });
     // l, and its derivative.
     let faded = |course: f64| {
         let left: [f64; D] = from_fn(|i| weights[i] * (-2.0 * rates[i] * course).exp());
@@ -258,6 +268,7 @@ fn course<const D: usize>(reach: f64, rates: &[f64; D], weights: &[f64; D]) -> f
     let there = rates.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
     let slowest = there.fold(f64::INFINITY, |least, (rate, _)| least.min(*rate));
     let mut bounds = [course, if reach > 0.0 { alone(slowest) } else { f64::NEG_INFINITY }];
+    let mut last = f64::INFINITY;
     for _ in 0..ROUNDS {
         let [l, slope] = faded(course);
         let (rate, next) = (l / course, alone(l / course));
@@ -272,7 +283,10 @@ fn course<const D: usize>(reach: f64, rates: &[f64; D], weights: &[f64; D]) -> f
         bounds[usize::from(next.abs() <= course.abs())] = course;
         let [from, to] = bounds.map(f64::abs);
         let inside = from <= newton.abs() && newton.abs() <= to;
-        course = if inside { newton } else { 0.5 * (bounds[0] + bounds[1]) };
+        let middle = || if reach > 0.0 { from.sqrt() * to.sqrt() } else { 0.5 * (bounds[0] + bounds[1]) };
+        let nearer = reach < 0.0 || off <= 0.5 * last;
+        let to = if inside && nearer { newton } else { middle() };
+        (last, course) = ((to - course).abs(), to);
     }
     f64::NAN
 }

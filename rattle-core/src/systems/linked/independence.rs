@@ -133,7 +133,7 @@ pub(super) fn count_independent<const D: usize>(
     let turned = start.turned_on_the_way(shape, c, time, &mut way);
     start.lift = way;
     let most = turned.iter().map(|[_, turned]| *turned).fold(0.0, f64::max);
-    // What is independent so far off is so nearer, too, until that could be told by a thousandth of it.
+    // One look far off, and one near by if that is far nearer: a basis of many equations takes long.
     if most < sine || most > NEARER * start.judged {
         return;
     }
