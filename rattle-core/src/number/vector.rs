@@ -65,6 +65,12 @@ pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a < b { b } else { a }
 }
 
+/// The larger one; NaN if one is.
+#[inline(always)]
+pub(crate) fn larger_or_nan(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
 /// maxᵢ |aᵢ|, by [`larger`].
 #[inline(always)]
 pub(crate) fn size<const D: usize>(a: &[f64; D]) -> f64 {

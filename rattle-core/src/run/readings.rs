@@ -8,6 +8,7 @@ use crate::motion::parts::BodiesOf;
 use crate::motion::state::{Remembered, State};
 use crate::motion::system::System;
 use crate::number::clock::after_steps;
+use crate::number::vector::larger_or_nan;
 use crate::run::answers::{self, vectors};
 use crate::run::simulation::Simulation;
 use crate::run::watch::seen::{Page, write};
@@ -366,6 +367,5 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S
 
 /// The largest |x|; NaN if one is.
 fn largest(numbers: &[f64]) -> f64 {
-    let larger = |a: f64, b: f64| if a.is_nan() || b <= a { a } else { b };
-    numbers.iter().fold(0.0, |largest, x| larger(largest, x.abs()))
+    numbers.iter().fold(0.0, |largest, x| larger_or_nan(largest, x.abs()))
 }

@@ -6,6 +6,7 @@ use crate::motion::bodies::Body;
 use crate::motion::method::{Method, check_tolerance};
 use crate::motion::stir::Chosen;
 use crate::motion::system::System;
+use crate::number::vector::larger_or_nan;
 use crate::run::seldom::seldom;
 use crate::run::simulation::{Reversal, Simulation};
 use crate::run::trouble::Trouble;
@@ -72,7 +73,7 @@ pub(super) fn compare<const D: usize>(
     let (mut worst, mut body, mut size) = (0.0, 0, 0.0_f64);
     for i in 0..bodies {
         let [was, is] = was_and_is(i);
-        let off = larger(farthest(&was.q, &is.q), farthest(&was.p, &is.p));
+        let off = larger_or_nan(farthest(&was.q, &is.q), farthest(&was.p, &is.p));
         size = size.max(farthest(&was.q, &[0.0; D])).max(farthest(&was.p, &[0.0; D]));
         if off > worst || off.is_nan() {
             (worst, body) = (off, i);
@@ -85,12 +86,7 @@ pub(super) fn compare<const D: usize>(
     Err(Trouble::NotReversed { body, off, tolerance })
 }
 
-/// The larger one; NaN if one is.
-fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a > b { a } else { b }
-}
-
 /// The largest difference of a coordinate; NaN if one is.
 fn farthest<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    a.iter().zip(b).fold(0.0, |most, (a, b)| larger((a - b).abs(), most))
+    a.iter().zip(b).fold(0.0, |most, (a, b)| larger_or_nan((a - b).abs(), most))
 }

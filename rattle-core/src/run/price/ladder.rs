@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::motion::stir;
+use crate::number::vector::larger_or_nan;
 use crate::run::price::candidate::Candidate;
 use crate::run::price::clock::Clock;
 use crate::run::price::moving::{Movable, Moving, Rung};
@@ -150,7 +151,7 @@ impl Runner<'_> {
                 let part = left.min(at_once);
                 moving.run(part)?;
                 left -= part;
-                energy = largest(energy, moving.energy_error().abs());
+                energy = larger_or_nan(energy, moving.energy_error().abs());
                 zip(&mut sums, moving.observed()).for_each(|(sum, x)| *sum += x);
                 self.look_at_clock()?;
             }
@@ -200,15 +201,6 @@ impl Runner<'_> {
     }
 }
 
-/// The larger one; NaN if one is.
-pub(super) fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a > b { a } else { b }
-}
-
-pub(super) fn largest(a: f64, b: f64) -> f64 {
-    larger(b, a)
-}
-
 /// The greatest common divisor of two numbers, one of them positive.
 fn gcd(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { gcd(b, a % b) }
@@ -229,7 +221,7 @@ pub(super) fn distances(a: &Path, b: &Path, dimension: usize) -> Vec<f64> {
         let bodies = zip(a.positions[i].chunks(dimension), b.positions[j].chunks(dimension));
         bodies.fold(0.0, |most, (a, b)| {
             let square: f64 = zip(a, b).map(|(a, b)| (a - b) * (a - b)).sum();
-            larger(square.sqrt(), most)
+            larger_or_nan(square.sqrt(), most)
         })
     };
     in_common(a, b).map(at).collect()

@@ -8,12 +8,13 @@ use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
 use crate::motion::state::State;
 use crate::motion::stir::random;
+use crate::number::vector::larger_or_nan;
 use crate::run::boxed::BoxedSimulation;
 use crate::run::price::beside::{Beside, ensemble};
 use crate::run::price::candidate::Candidate;
 use crate::run::price::chaos::Chaos;
 use crate::run::price::clock::Clock;
-use crate::run::price::ladder::{Pilot, Runner, Stop, averages_apart, distances, energies_apart, largest};
+use crate::run::price::ladder::{Pilot, Runner, Stop, averages_apart, distances, energies_apart};
 use crate::run::price::moving::{Movable, Rung};
 use crate::run::price::prices::{Average, Longer, Price, Prices, Quantity, Refused};
 use crate::run::price::reference::{Reference, most, pilot};
@@ -451,7 +452,7 @@ pub(super) fn price(
     } else if energies.is_empty() {
         (most(&path.energy), &path.energy[..])
     } else {
-        (largest(most(energies), most(&path.energy)), energies)
+        (larger_or_nan(most(energies), most(&path.energy)), energies)
     };
     let drift = |i| {
         let off = averages_apart(&path, &reference.path, i);
@@ -461,7 +462,7 @@ pub(super) fn price(
     let energy_growth = growth(energies);
     let averages = if lanes { vec![f64::NAN; reference.averages.len()] } else { path.averages.clone() };
     let known = zip(&reference.averages, &reference.averages_off);
-    let off = |(a, (b, least)): (f64, (&f64, &f64))| largest(*least, (a - b).abs());
+    let off = |(a, (b, least)): (f64, (&f64, &f64))| larger_or_nan(*least, (a - b).abs());
     let price = Price {
         method: rung.candidate,
         h: rung.h,

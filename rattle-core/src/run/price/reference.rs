@@ -2,8 +2,9 @@
 
 use crate::error::Error;
 use crate::methods::composition::{KAHAN_LI_1997_ORDER_8, SOFRONIOU_SPALETTA_2005_ORDER_10};
+use crate::number::vector::larger_or_nan;
 use crate::run::price::candidate::{Candidate, HALVINGS};
-use crate::run::price::ladder::{Path, Pilot, Runner, Stop, distances, energies_apart, larger};
+use crate::run::price::ladder::{Path, Pilot, Runner, Stop, distances, energies_apart};
 use crate::run::price::moving::Rung;
 use std::iter::zip;
 
@@ -162,8 +163,9 @@ impl Reference {
         let second = found[i].rung.candidate;
         if runner.scene.flows() {
             let (other, part) = other(runner, pilot, &found[j])?;
-            error = larger(error, part * most(pilot.told(&distances(&found[j].path, &other, dimension))));
-            energy_error = larger(energy_error, part * energies(&found[j].path, &other));
+            error =
+                larger_or_nan(error, part * most(pilot.told(&distances(&found[j].path, &other, dimension))));
+            energy_error = larger_or_nan(energy_error, part * energies(&found[j].path, &other));
         }
         let Finest { path, steps, rung } = found.swap_remove(j);
         let at_start = vec![start(runner, pilot)?; path.positions.len()];
@@ -322,7 +324,7 @@ fn agree(a: &Path, b: &Path, pilot: &Pilot, dimension: usize) -> bool {
 
 /// The largest; NaN if one is.
 pub(super) fn most(numbers: &[f64]) -> f64 {
-    numbers.iter().fold(0.0, |most, &x| if x.is_nan() || x > most { x } else { most })
+    numbers.iter().copied().fold(0.0, larger_or_nan)
 }
 
 /// Averages from every second, third, … sight of a path alone, with the number of those from look to look.

@@ -5,10 +5,11 @@ use crate::error::{Error, Limit, PriceMistake};
 use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
 use crate::motion::state::State;
+use crate::number::vector::larger_or_nan;
 use crate::run::boxed::BoxedSimulation;
 use crate::run::price::candidate::{Candidate, HALVINGS};
 use crate::run::price::clock::Clock;
-use crate::run::price::ladder::{Runner, larger};
+use crate::run::price::ladder::Runner;
 use crate::run::price::moving::{Movable, Rung};
 use crate::run::price::prices::{Offer, Price, Prices, Quantity, interpolate};
 use crate::run::price::pricing::{Aim, Allowance, Measured, measure, positive, price, priced};
@@ -314,7 +315,7 @@ fn confirmed(prices: &Prices, row: &Price, what: Quantity) -> Option<f64> {
         Quantity::Average(_) => 0.0,
     };
     let known = if known > 0.0 { known * longer.grown(row, what) } else { 0.0 };
-    Some(larger(longer.at_end(row, what)?, known))
+    Some(larger_or_nan(longer.at_end(row, what)?, known))
 }
 
 /// The cheapest row that meets the wish, which any other must beat.
@@ -437,7 +438,7 @@ fn limit(prices: &Prices, best: Option<&Price>, error: f64, what: Quantity, limi
     };
     let rounded = match what {
         Quantity::Energy => {
-            larger(prices.reference_energy_error.unwrap_or(0.0), f64::EPSILON * limits.kinetic)
+            larger_or_nan(prices.reference_energy_error.unwrap_or(0.0), f64::EPSILON * limits.kinetic)
         }
         _ => known,
     };
