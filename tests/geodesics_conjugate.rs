@@ -4,7 +4,7 @@
 use rattle::curvature::geodesic_distance;
 use rattle::nalgebra::{SVector, Vector3, vector};
 use rattle::prelude::*;
-use rattle::surfaces::{Ellipsoid, Torus};
+use rattle::surfaces::{Ellipsoid, Helicoid, Torus};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Length of the way between two points of the equator of a spheroid, by their angle, that leads over one of its
@@ -130,22 +130,144 @@ fn beyond_points_that_are_conjugate_in_two_directions() {
 }
 
 constraint! {
-    /// A disk whose rim is blunt but for one sharp stretch, which is about as long as 2w.
-    struct Sharpened { s, w }
-    |x, y, z| x^2 + y^2 + z^2 * (1 + s / (1 + (y / w)^4)) - 1
+    /// A disk whose rim is blunt but for one sharp stretch, which is about as long as 2w, beside y = aside.
+    struct Sharpened { s, w, aside }
+    |x, y, z| x^2 + y^2 + z^2 * (1 + s / (1 + ((y - aside) / w)^4)) - 1
+}
+
+fn on_rim(angle: f64) -> Vector3<f64> {
+    Vector3::new(angle.cos(), angle.sin(), 0.0)
 }
 
 /// Between blunt stretches of a rim, which is 0.6 long, lies a sharp one on which a way passes one to five conjugate
-/// points, as s grows: both ends tell nothing of them. Ways over a side are shorter.
+/// points, as s grows: both ends tell nothing of them. Ways over a side are shorter. Each is two of half the length, to
+/// the plane of symmetry.
 #[test]
 fn conjugate_points_between_places_that_are_not_curved() {
-    let at = |angle: f64| Vector3::new(angle.cos(), angle.sin(), 0.0);
+    let (a, b) = (on_rim(-0.3), on_rim(0.3));
     for s in [2000.0, 2500.0, 3000.0, 4000.0, 5000.0, 6000.0, 8000.0, 10_000.0] {
-        let rim = Sharpened { s, w: 0.04 };
-        let found = geodesic_distance(&rim, &at(-0.3), &at(0.3)).unwrap().distance;
+        let rim = Sharpened { s, w: 0.04, aside: 0.0 };
+        let found = geodesic_distance(&rim, &a, &b).unwrap().distance;
         assert!(found < 0.6 - 1e-4, "s = {s}: {found}");
-        assert!(found > (at(0.3) - at(-0.3)).norm());
+        assert!(found > (b - a).norm());
+        // Where it is the shortest to that plane it ends across it: by regula falsi (Illinois) from the rim to the top.
+        let high = 1.0 / (1.0 + s).sqrt();
+        let to = |angle: f64| {
+            let half = geodesic_distance(&rim, &a, &vector![angle.cos(), 0.0, high * angle.sin()]).unwrap();
+            let longer = half.to.dot(&vector![-angle.sin(), 0.0, high * angle.cos()]);
+            (longer, half.distance)
+        };
+        let mut ends = [0.02, 1.0].map(|angle| (angle, to(angle).0));
+        assert!(ends[0].1 < 0.0 && ends[1].1 > 0.0, "s = {s}: {ends:?}");
+        let mut half = f64::NAN;
+        for _ in 0..30 {
+            let [(low, down), (top, up)] = ends;
+            let angle = (low * up - top * down) / (up - down);
+            let (longer, distance) = to(angle);
+            half = distance;
+            // Of second order in what is left of the slope.
+            if longer.abs() < 1e-7 {
+                break;
+            }
+            let (same, other) = if longer > 0.0 { (1, 0) } else { (0, 1) };
+            ends[same] = (angle, longer);
+            ends[other].1 *= 0.5;
+        }
+        assert!((found - 2.0 * half).abs() < 1e-11, "s = {s}: {found}, twice {half}");
     }
+}
+
+/// The same from the other end: of a disk and its mirror image, from the blunter end and from the sharper one.
+#[test]
+fn conjugate_points_are_passed_from_either_end() {
+    for s in [2500.0, 5000.0, 10_000.0] {
+        let [one, other] = [0.1, -0.1].map(|aside| {
+            let rim = Sharpened { s, w: 0.04, aside };
+            geodesic_distance(&rim, &on_rim(-0.3), &on_rim(0.3)).unwrap().distance
+        });
+        assert!((one - other).abs() < 1e-12, "s = {s}: {one}, {other}");
+        assert!(one < 0.6 - 1e-4, "s = {s}: {one}");
+    }
+}
+
+/// Evaluations of a surface for a distance, which is this one.
+fn asked<C: Constraint<D, 1>, const D: usize>(surface: C, ends: [SVector<f64, D>; 2], right: f64) -> f64 {
+    let surface = Counted::new(surface);
+    let found = geodesic_distance(&surface, &ends[0], &ends[1]).unwrap().distance;
+    assert!((found - right).abs() < 1e-13 * right.max(1.0), "{found} for {right}");
+    surface.counts().all() as f64
+}
+
+/// Where K < 0 no point is conjugate, and none is looked for aside: ways beside go away by e^(√−K l), up to e¹⁰⁰ here,
+/// in as many stretches as √−K l is long.
+#[test]
+fn saddles_have_no_conjugate_points() {
+    let helicoid = |l: f64| asked(Helicoid { c: 0.1 }, [Vector3::zeros(), 0.1 * l * Vector3::z()], 0.1 * l);
+    let near = helicoid(5.0);
+    for l in [10.0, 20.0, 40.0, 100.0] {
+        let far = helicoid(l);
+        assert!(far < 2.0 * l / 5.0 * near, "{l}: {far}, at 5 {near}");
+    }
+    // √−K is 1/√(r (1 − r)), and the inner equator 1 − r times its angle.
+    let inner = |r: f64, angle: f64| {
+        let at = |angle: f64| (1.0 - r) * vector![angle.cos(), angle.sin(), 0.0];
+        asked(Torus { major: 1.0, minor: r }, [at(0.0), at(angle)], (1.0 - r) * angle)
+    };
+    let (thick, thin) = (inner(0.02, 0.68), inner(0.001, 0.68));
+    assert!(thin < 2.0 * 20_f64.sqrt() * thick, "{thin}, on a thick one {thick}");
+}
+
+constraint! {
+    /// A disk whose rim goes over into one of a saddle, K = s y.
+    struct Turning { s }
+    |x, y, z| x^2 + y^2 + s * y * z^2 - 1
+}
+
+/// Behind a saddle in which ways beside have gone away by e⁸ to e⁵⁰, the conjugate point lies where they say: at the
+/// first zero of J″ = −K J along the rim, here by the method of Störmer.
+#[test]
+fn behind_saddles_points_are_conjugate() {
+    for s in [5e3, 2e4, 2e5] {
+        let (h, mut angle, mut pair) = (1e-6, -0.3_f64, [0.0, 1e-6]);
+        while pair[1] > 0.0 {
+            angle += h;
+            pair = [pair[1], (2.0 - h * h * s * angle.sin()) * pair[1] - pair[0]];
+        }
+        let asks = |angle: f64| {
+            let rim = Counted::new(Turning { s });
+            let found = geodesic_distance(&rim, &on_rim(-0.3), &on_rim(angle)).unwrap().distance;
+            (rim.counts().all(), found - 0.3 - angle)
+        };
+        // Beyond it other ways are searched for, with some hundred thousand evaluations.
+        let [before, beyond] = [0.998, 1.002].map(|times| asks(times * angle));
+        assert!(before.1.abs() < 1e-13, "s = {s}, {angle}: {before:?}");
+        assert!(beyond.0 > 10 * before.0, "s = {s}, {angle}: {before:?}, {beyond:?}");
+    }
+}
+
+constraint! {
+    /// Half of a sphere in three dimensions, and no number beyond its rim.
+    struct Half {}
+    |x, y, z| z + sqrt(1 - x^2 - y^2)
+}
+
+constraint! {
+    /// And in four.
+    struct HalfOfFour {}
+    |x, y, z, w| w + sqrt(1 - x^2 - y^2 - z^2)
+}
+
+/// Ways that are tried beyond the rim of a surface are no numbers, be they one of three vectors or of four: shorter
+/// stretches follow, and no conjugate point is there. One product more with ∇²g is asked for, of three.
+#[test]
+fn what_is_no_number_is_no_conjugate_point() {
+    let low = 0.05_f64;
+    let r = (1.0 - low * low).sqrt();
+    let (x, y) = (r * 0.3_f64.cos(), r * 0.3_f64.sin());
+    let right = 2.0 * (r * 0.15_f64.sin()).asin();
+    let three = asked(Half {}, [vector![r, 0.0, -low], vector![x, y, -low]], right);
+    let four = asked(HalfOfFour {}, [vector![r, 0.0, 0.0, -low], vector![x, y, 0.0, -low]], right);
+    assert!(four < 2.0 * three, "{four}, in three dimensions {three}");
 }
 
 pair_potential! {

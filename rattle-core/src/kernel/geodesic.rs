@@ -10,7 +10,7 @@
 //! rotation between the normals, corrects v, with Broyden's secant method through all tries (C. G. Broyden 1965).
 
 use crate::kernel::functions::ConstraintKernel;
-use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
+use crate::number::vector::{add_scaled, dot, extent, larger_or_nan, largest, scaled, sum};
 use nalgebra::SMatrix;
 use std::array::from_fn;
 
@@ -25,6 +25,10 @@ const ROUNDING: f64 = 32.0;
 const OF_PLACES: f64 = 16.0;
 /// Where it turns the normal by more, nothing is known of the motion.
 const MOST_TURNED: f64 = 1e-3;
+/// What goes beside a motion grows exponentially in saddles, up to where its rounding alone is more than `CLOSE`. It is
+/// linear: where a pair comes to more than this, as part of the speed, the pair is multiplied by a power of two.
+const GROWN: f64 = 1e-3;
+const SHRUNK: f64 = 1.0 / 1024.0;
 /// Stretches of a motion. Those that are halved don't count: where curvature jumps it takes some 45 halvings to pass.
 const MOST_STRETCHES: usize = 400;
 /// Halvings of one stretch: where there is no normal no number of them will do.
@@ -235,7 +239,7 @@ pub(crate) fn shot<const D: usize>(v: &[f64; D], (miss, _, speed): &Try<D>) -> S
     Shot { distance: length(v) + dot(&to, miss), from, to }
 }
 
-/// A motion, as a way from a and its velocity, and what goes beside it, as pairs of vectors and their rates.
+/// A motion, as a way from a and its velocity, and what goes beside it, as pairs of vectors, linear each by itself.
 pub(crate) type Motion<const D: usize, const N: usize> = [([f64; D], [f64; D]); N];
 
 /// Where the motion from a with the velocity v has come to at time 1, as a way from a, and its velocity there; none
@@ -254,7 +258,8 @@ fn fly<K: ConstraintKernel<f64, D, 1>, const D: usize>(
 }
 
 /// Follows a motion from a, and what goes beside it, up to time 1, or to the end of a stretch in which something shows
-/// between two neighbouring places; and whether it did. None where the motion is not found.
+/// between two neighbouring places; and whether it did. None where the motion is not found. Of what goes beside it, the
+/// length alone may be another.
 pub(crate) fn follow<K: ConstraintKernel<f64, D, 1>, const D: usize, const N: usize>(
     kernel: &K,
     a: &[f64; D],
@@ -264,19 +269,29 @@ pub(crate) fn follow<K: ConstraintKernel<f64, D, 1>, const D: usize, const N: us
 ) -> Option<(Motion<D, N>, bool)> {
     let (mut time, mut h, mut now) = (0.0, 1.0, start);
     let (mut stretches, mut halvings, mut growth) = (0, 0, 2.0);
-    let close = CLOSE * length(&start[0].1);
+    let speed = length(&start[0].1);
     while stretches < MOST_STRETCHES && halvings < MOST_HALVINGS && time + h > time {
-        match stretch(kernel, a, &now, h, close, (&rate, &shows)) {
+        match stretch(kernel, a, &now, h, CLOSE * speed, (&rate, &shows)) {
             Some((then, shown)) if shown || time + h == 1.0 => return Some((then, shown)),
             // Powers of 2, so that the end is met.
             Some((then, _)) => {
-                (time, now, h) = (time + h, then, (growth * h).min(1.0 - time - h));
+                (time, now, h) = (time + h, shrunk(then, speed), (growth * h).min(1.0 - time - h));
                 (stretches, halvings, growth) = (stretches + 1, 0, GROWTH.min(2.0 * growth));
             }
             None => (h, halvings, growth) = (0.5 * h, halvings + 1, 2.0),
         }
     }
     None
+}
+
+/// A motion, and what goes beside it, shorter where it has grown.
+fn shrunk<const D: usize, const N: usize>(mut now: Motion<D, N>, speed: f64) -> Motion<D, N> {
+    for pair in now.iter_mut().skip(1) {
+        if largest(&pair.0).max(largest(&pair.1)) > GROWN * speed {
+            *pair = (scaled(SHRUNK, &pair.0), scaled(SHRUNK, &pair.1));
+        }
+    }
+    now
 }
 
 /// A stretch of the motion, and whether something shows on it; none where the extrapolation does not come close.
@@ -347,10 +362,11 @@ fn turns<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     })
 }
 
+/// By how much two motions differ in a coordinate, at most; NaN where one of them is no number.
 fn distance<const D: usize, const N: usize>(a: &Motion<D, N>, b: &Motion<D, N>) -> f64 {
-    let off = |a: &[f64; D], b: &[f64; D]| largest(&add_scaled(a, -1.0, b));
-    let pairs = a.iter().zip(b).map(|(a, b)| off(&a.0, &b.0).max(off(&a.1, &b.1)));
-    pairs.fold(f64::NAN, f64::max) // of no numbers none
+    let off = |a: &[f64; D], b: &[f64; D]| extent(&add_scaled(a, -1.0, b));
+    let pairs = a.iter().zip(b).map(|(a, b)| larger_or_nan(off(&a.0, &b.0), off(&a.1, &b.1)));
+    pairs.fold(0.0, larger_or_nan)
 }
 
 /// |v|.
