@@ -137,7 +137,8 @@ fn strong_drag_of_three_masses_ends() {
             run.run(1).unwrap_or_else(|error| panic!("{mass:?}, {share}: {error}"));
             let after: [f64; 3] = run.momentum().into();
             for i in 0..3 {
-                assert!(after[i] >= 0.0 && after[i] < before[i], "{mass:?}, {share}: {after:?}, {before:?}");
+                let is_less = after[i] < before[i] || after[i] == 0.0; // of e^-τ/m nothing may be left
+                assert!(after[i] >= 0.0 && is_less, "{mass:?}, {share}: {after:?}, {before:?}");
             }
             before = after;
         }

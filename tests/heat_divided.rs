@@ -190,7 +190,7 @@ fn a_constant_push_between_impacts_is_exact() {
 }
 
 /// Bodies that propel themselves against an elastic wall under drag come to it, and stay: with one impact a step at
-/// most, and no faster than what a step gives.
+/// most, no faster than what two steps give, 2F h, and no farther than that leads in one.
 #[test]
 fn active_bodies_stay_at_a_wall() {
     let push = SelfPropulsion::new(1.0, 0.0, 1).headed([[-1.0, 0.0]]);
@@ -201,25 +201,26 @@ fn active_bodies_stay_at_a_wall() {
     run.run(steps).unwrap();
     let (q, p) = (run.positions().next().unwrap(), run.momenta().next().unwrap());
     assert!(run.events() <= steps, "{}", run.events());
-    assert!(q.x >= 0.0 && q.x < h * h && p.x.abs() < h, "{q} {p}");
+    assert!(q.x >= 0.0 && q.x < 2.0 * h * h && p.x.abs() < 2.0 * h, "{q} {p}");
 }
 
-/// Which numbers are drawn depends neither on what is met in a step nor on flows that draw nothing: a body far from the
-/// wall goes as without one, beside one that bounces and one that is held by a field.
+/// Which numbers are drawn depends neither on what is met in a step nor on flows that draw nothing: a body without charge
+/// far from a wall goes as without the wall, beside one with a charge that bounces.
 #[test]
 fn numbers_are_those_of_the_step_whatever_is_met() {
-    let field = || MagneticField::new([0.0, 0.0, 1.3]);
-    let start = || State::of([[0.3, 0.0], [1e6, 0.0]]).with_momenta([[-0.7, 0.2], [0.0, 0.0]]);
-    // In the order of a step with contacts: what draws is outside.
-    let scene = Scene::points::<2>(2).with(bath()).with(field());
+    let field = MagneticField::new([0.0, 0.0, 1.3]).charges([1.0, 0.0]);
+    let start = || State::of([[0.3, 0.0], [100.0, 0.0]]).with_momenta([[-0.7, 0.2], [0.0, 0.0]]);
+    let scene = Scene::points::<2>(2).with(field).with(bath());
     let mut free = scene.clone().simulate(start(), Rattle::new(0.1)).unwrap();
     let mut walled =
         scene.simulate(start(), Rattle::new(0.1)).unwrap().collide(Stop::above(Left {})).unwrap();
     free.run(100).unwrap();
     walled.run(100).unwrap();
-    assert!(walled.events() > 5, "{}", walled.events());
-    assert_eq!(free.positions().nth(1), walled.positions().nth(1));
-    assert_eq!(free.momenta().nth(1), walled.momenta().nth(1));
+    assert!(walled.events() > 0, "no impact");
+    let [free, walled] =
+        [free, walled].map(|run| (run.positions().nth(1).unwrap(), run.momenta().nth(1).unwrap()));
+    let off = larger((free.0 - walled.0).norm(), (free.1 - walled.1).norm());
+    assert!(off < 1e-11, "{off:e}: {walled:?} for {free:?}");
 }
 
 /// A bath that does nothing leaves a magnetic field between impacts where it was.
