@@ -24,6 +24,7 @@
 //! | writer | file | read by |
 //! |---|---|---|
 //! | [`NpzParts`] | `.npz`, each column in parts `q.000000`, `q.000001`, … | NumPy: `np.concatenate([f[k] for k in sorted(f) if k.rpartition(".")[0] == "q"])` |
+//! | [`Csv`] | `.csv`, a line for each row and a column for each number | `pandas.read_csv(path, float_precision="round_trip")`, `np.loadtxt(path, delimiter=",", skiprows=1)`, spreadsheets |
 //! | [`Xyz`] | extended XYZ, a frame for each row | OVITO, ASE |
 //! | [`Vtu`] | `.vtu`, a file for each row, and `.pvd` with their times; the surface beside them | ParaView |
 //! | `Parquet` (feature `parquet`) | `.parquet`, a column for each number | pandas, Polars, DuckDB |
@@ -32,11 +33,13 @@
 //! [`Error::Recorder`](crate::Error::Recorder), in its state after the last step, and [`Stream::finish`] says how many
 //! rows were written. An ensemble ends too, with all trajectories after the same step.
 
+mod csv;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod stream;
 mod vtu;
 
+pub use csv::Csv;
 #[cfg(feature = "parquet")]
 pub use parquet::Parquet;
 pub use stream::{Handed, NpzParts, Stream, StreamError, Writer, Xyz};

@@ -5,7 +5,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use rattle::checkpoint::{CheckpointError, Ended, Saving};
 use rattle::links::planar::{Crank, Rod, Slider};
 use rattle::prelude::*;
-use rattle::record::{NpzParts, Parquet, Stream, Vtu, Writer, Xyz};
+use rattle::record::{Csv, NpzParts, Parquet, Stream, Vtu, Writer, Xyz};
 use rattle::surfaces::Sphere;
 use rattle::system::System;
 use rattle::vtu::Series;
@@ -203,12 +203,18 @@ fn files_without_rows_have_columns() {
     };
     let expected = "step trajectory t q_0_0 q_0_1 q_0_2 q_1_0 q_1_1 q_1_2 energies_0 energies_1 height";
     assert_eq!(names(&table).join(" "), expected);
+    let text = at("run.csv");
+    let line = |path| fs::read_to_string(path).unwrap();
+    assert_eq!(of_two_bodies(Csv::create(&text).unwrap(), &columns, 5), 0);
+    assert_eq!(line(&text), expected.replace(' ', ",") + "\n");
 
     // Without a sight too, what every row has.
     of_two_bodies(NpzParts::create(&npz).unwrap(), &columns, 0);
     assert_eq!(shape("trajectory"), [0]);
     of_two_bodies(Parquet::create(&table).unwrap(), &columns, 0);
     assert_eq!(names(&table).join(" "), "step trajectory t");
+    of_two_bodies(Csv::create(&text).unwrap(), &columns, 0);
+    assert_eq!(line(&text), "step,trajectory,t\n");
 
     // In an ensemble some recorders may have rows, and others none.
     let stream = Stream::to(NpzParts::create(&npz).unwrap());

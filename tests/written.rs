@@ -1,12 +1,14 @@
-//! What other programs read: numbers that are none in `.vtu`, names and species in extended XYZ.
+//! What other programs read: numbers that are none in `.vtu`, names and species in extended XYZ, tables as text.
 
 use crate::recorders::{python, read_by};
 use base64::prelude::{BASE64_STANDARD, Engine};
+use rattle::Error;
 use rattle::prelude::*;
-use rattle::record::{Stream, Xyz};
+use rattle::record::{Csv, Stream, Xyz};
 use rattle::vtu::{Cells, Field, Series, text};
-use rattle::watch::{Columns, Recorder};
-use std::fs;
+use rattle::watch::{Columns, Recorder, Rows};
+use std::fs::{self, File};
+use std::io;
 use std::path::Path;
 
 /// The numbers of an array, as a reader of VTK's files takes them: words, or a length in bytes with the bytes.
@@ -115,6 +117,7 @@ fn keys_of_extended_xyz_are_words() {
     let wanted: Vec<f64> = (0..13).map(f64::from).chain([2.0]).collect();
     assert_eq!(read_by(&python, code, &path), wanted);
 }
+
 /// Each body has a species of its own, where they are told; a list of another length is an error.
 #[test]
 fn bodies_of_extended_xyz_have_their_species() {
@@ -127,4 +130,123 @@ fn bodies_of_extended_xyz_have_their_species() {
     let told = xyz(with(&["Na", "Cl", "Na"]).unwrap(), &[]).unwrap_err();
     assert!(told.contains("3 species for 2 bodies"), "{told}");
     assert!(with(&["Na", "my atom"]).unwrap_err().to_string().contains("one word"));
+}
+
+/// Two bodies that are free, on their way from numbers that have many digits.
+fn two_bodies() -> Simulation<impl rattle::system::System<f64, 3>, Rattle, 3> {
+    let start = State::of([[0.1, 1.0 / 3.0, -1e-300], [1e9, -0.0, 0.7]]);
+    let start = start.with_momenta([[1.0 / 7.0, -2.0, 1e-3], [0.0, 5e-324, 3.0]]);
+    Scene::points(2).simulate(start, Rattle::new(0.1)).unwrap()
+}
+
+/// Numbers as text are the numbers, bit for bit, whatever they are, and names are read as they were given.
+#[test]
+fn a_table_of_text_is_read_back_bit_for_bit() {
+    let odd = [
+        ("plain", f64::NAN),
+        ("a,b", f64::INFINITY),
+        ("\"quoted\"", f64::NEG_INFINITY),
+        ("a b", -0.0),
+        ("µ", 5e-324),
+        ("#", 0.1 + 0.2),
+    ];
+    let columns = Columns::<3>::new().positions().momenta().energies();
+    let columns = odd.iter().fold(columns, |columns, &(name, x)| columns.quantity(name, move |_| x));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deep/run.csv");
+    let stream = Stream::to(Csv::create(&path).unwrap());
+    let mut seen = (Recorder::of(&columns, stream.sink()), Recorder::of(&columns, Rows::default()));
+    two_bodies().observe(2000, 1, &mut seen).unwrap(); // two blocks
+    seen.0.finish().unwrap();
+    assert_eq!(stream.finish().unwrap(), 2000);
+    let rows = seen.1.finish().unwrap();
+
+    let mut wanted = Vec::new();
+    let width = rows.numbers.len() / rows.len();
+    for (row, numbers) in rows.numbers.chunks(width).enumerate() {
+        wanted.extend([rows.steps[row] as f64, rows.trajectories[row] as f64, rows.times[row]]);
+        wanted.extend(numbers);
+    }
+    let same = |found: &[f64], by: &str| {
+        let other = found.iter().zip(&wanted).position(|(a, b)| a.to_bits() != b.to_bits());
+        assert_eq!((found.len(), other.map(|i| (i, found[i]))), (wanted.len(), None), "by {by}");
+    };
+    let mut reader = csv::Reader::from_path(&path).unwrap();
+    let of_two = |name: &str| [0, 1].map(|body| [0, 1, 2].map(|i| format!("{name}_{body}_{i}"))).concat();
+    let names = [
+        ["step", "trajectory", "t"].map(String::from).to_vec(),
+        of_two("q"),
+        of_two("p"),
+        vec!["energies_0".into(), "energies_1".into()],
+        odd.iter().map(|(name, _)| (*name).to_string()).collect(),
+    ];
+    assert_eq!(reader.headers().unwrap().iter().collect::<Vec<_>>(), names.concat());
+    let read: Vec<f64> = reader
+        .records()
+        .flat_map(|row| row.unwrap().iter().map(|x| x.parse().unwrap()).collect::<Vec<_>>())
+        .collect();
+    same(&read, "csv");
+
+    let print =
+        "import struct\nprint(*(h for x in a.ravel() for h in struct.unpack('<2I', struct.pack('<d', x))))";
+    for (package, read) in [
+        ("numpy", "a = numpy.loadtxt(sys.argv[1], delimiter=',', skiprows=1)"),
+        ("pandas", "a = pandas.read_csv(sys.argv[1], float_precision='round_trip').to_numpy(dtype=float)"),
+    ] {
+        let Some(python) = python(package) else { continue };
+        let code = format!("import {package}, sys\n{read}\n{print}");
+        let halves: Vec<f64> = read_by(&python, &code, &path);
+        let found: Vec<f64> = halves
+            .as_chunks()
+            .0
+            .iter()
+            .map(|&[low, high]| f64::from_bits(low as u64 | (high as u64) << 32))
+            .collect();
+        same(&found, package);
+    }
+}
+
+/// A line of names is one line, and what it says holds for all that follows.
+#[test]
+fn a_table_of_text_has_one_line_of_names() {
+    let told = |of: &[&Columns<3>]| {
+        let stream = Stream::to(Csv::to(Vec::new()));
+        for columns in of {
+            let mut recorder = Recorder::of(columns, stream.sink());
+            let _ = two_bodies().observe(2, 1, &mut recorder).and_then(|()| recorder.finish());
+        }
+        stream.finish().map_err(|error| error.to_string())
+    };
+    let plain = Columns::<3>::new().positions();
+    assert_eq!(told(&[&plain, &plain]), Ok(4));
+    let twice = plain.clone().quantity("q_0_0", |_| 1.0);
+    assert!(told(&[&twice]).unwrap_err().contains("two columns would be called `q_0_0`"));
+    let error = told(&[&plain, &plain.clone().momenta()]).unwrap_err();
+    assert!(error.contains("2 rows were written, then: rows have other columns"), "{error}");
+}
+
+/// Rows are whole lines in the file after a flush.
+#[test]
+fn rows_of_text_are_in_the_file_after_a_flush() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.csv");
+    let stream = Stream::to(Csv::create(&path).unwrap());
+    let mut recorder = Recorder::of(&Columns::<3>::new().energies(), stream.sink());
+    let lines = || fs::read_to_string(&path).unwrap().matches('\n').count();
+    two_bodies().observe(30, 1, &mut recorder).unwrap();
+    assert_eq!(lines(), 0);
+    recorder.flush().unwrap();
+    assert_eq!(lines(), 31);
+    recorder.finish().unwrap();
+    assert_eq!((stream.finish().unwrap(), lines()), (30, 31));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_ends_a_table_of_text() {
+    let stream = Stream::to(Csv::to(File::create("/dev/full").unwrap()));
+    let mut recorder = Recorder::of(&Columns::<3>::new().positions(), stream.sink());
+    let ended = two_bodies().observe(20_000, 1, &mut recorder).and_then(|()| recorder.finish());
+    assert!(matches!(&ended, Err(Error::Recorder { why, .. }) if why.contains("No space left")), "{ended:?}");
+    assert_eq!(stream.finish().unwrap_err().source.kind(), io::ErrorKind::StorageFull);
 }

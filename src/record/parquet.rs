@@ -1,6 +1,6 @@
 //! Long tables for pandas, Polars and DuckDB: Apache Parquet.
 
-use super::stream::{NUMBERS, Writer, append, taken, width, wrong};
+use super::stream::{NUMBERS, Writer, append, names, taken, width, wrong};
 use crate::files;
 use crate::watch::{Column, Rows};
 use parquet::basic::{Repetition, Type as Physical};
@@ -11,6 +11,7 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
 use std::fs::File;
 use std::io;
+use std::iter::repeat;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -19,7 +20,6 @@ use std::sync::Arc;
 /// [`NpzParts`](super::NpzParts). The file is readable after [`Stream::finish`](super::Stream::finish),
 /// and has its columns also where no row was recorded.
 #[doc(alias = "pandas")]
-#[doc(alias = "csv")]
 #[doc(alias = "table")]
 #[derive(Debug)]
 pub struct Parquet {
@@ -118,27 +118,9 @@ fn schema(columns: &[Column]) -> Result<Type, ParquetError> {
         let field = Type::primitive_type_builder(name, kind).with_repetition(Repetition::REQUIRED).build()?;
         Ok::<_, ParquetError>(Arc::new(field))
     };
-    let mut fields = vec![
-        field("step", Physical::INT64)?,
-        field("trajectory", Physical::INT64)?,
-        field("t", Physical::DOUBLE)?,
-    ];
-    for Column { name, shape, place } in columns {
-        for number in 0..place.len() {
-            let (mut index, mut left) = (String::new(), number);
-            for &size in shape.iter().rev() {
-                index = format!("_{}{index}", left % size);
-                left /= size;
-            }
-            fields.push(field(&format!("{name}{index}"), Physical::DOUBLE)?);
-        }
-    }
-    let mut names: Vec<&str> = fields.iter().map(|field| field.name()).collect();
-    names.sort_unstable();
-    if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-        let why = format!("two columns would be called `{}`; rename the quantity", twice[0]);
-        return Err(ParquetError::General(why));
-    }
+    let kinds = [Physical::INT64, Physical::INT64].into_iter().chain(repeat(Physical::DOUBLE));
+    let names = names(columns).map_err(ParquetError::General)?;
+    let fields = names.iter().zip(kinds).map(|(name, kind)| field(name, kind)).collect::<Result<_, _>>()?;
     Type::group_type_builder("rows").with_fields(fields).build()
 }
 

@@ -128,6 +128,27 @@ pub(super) fn width(columns: &[Column]) -> usize {
     columns.last().map_or(0, |last| last.place.end)
 }
 
+/// The names of a table with a column for each number; for an entry of an array its place after that of the array.
+pub(super) fn names(columns: &[Column]) -> Result<Vec<String>, String> {
+    let mut names = ["step", "trajectory", "t"].map(String::from).to_vec();
+    for Column { name, shape, place } in columns {
+        for number in 0..place.len() {
+            let (mut index, mut left) = (String::new(), number);
+            for &size in shape.iter().rev() {
+                index = format!("_{}{index}", left % size);
+                left /= size;
+            }
+            names.push(format!("{name}{index}"));
+        }
+    }
+    let mut sorted: Vec<&String> = names.iter().collect();
+    sorted.sort_unstable();
+    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(twice) => Err(format!("two columns would be called `{}`; rename the quantity", twice[0])),
+        None => Ok(names),
+    }
+}
+
 /// Adds rows to those that wait, which have the same columns.
 pub(super) fn append(rows: &Rows, waiting: &mut Rows) {
     waiting.steps.extend(&rows.steps);
