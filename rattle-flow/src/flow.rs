@@ -357,3 +357,8 @@ pub(crate) fn number(
 ) -> Result<(), FlowError> {
     if holds && found.is_finite() { Ok(()) } else { Err(FlowError::Number { what, found, expected }) }
 }
+
+/// An error unless the square of the number is neither 0 nor infinite, nor that of a negative one.
+pub(crate) fn squares(what: &'static str, found: f64, expected: &'static str) -> Result<(), FlowError> {
+    number(what, found, (1e-150..=1e150).contains(&found), expected)
+}

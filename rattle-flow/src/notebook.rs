@@ -6,7 +6,7 @@
 //! ```
 //!
 //! It is for comparison: **its volume grows**. Where the depth would become negative, the first equation is dropped
-//! (the set A), and the volume gains Δt Σ_A F, which [`Budget::remainder`](crate::Budget::remainder) shows: 1.3 % for
+//! (the set A), and the volume gains Δt Σ_A F, which [`Budget::remainder`](crate::Budget::remainder) shows: 1.4 % for
 //! the dam break, all of it while dry ground gets wet. The iteration is PETSc's SNESVINEWTONRSLS with full steps:
 //!
 //! ```text
@@ -14,15 +14,18 @@
 //! until |F_I| < 10⁻⁸ of what it was, J being that of √(q² + ε²) in the place of |q|
 //! ```
 //!
-//! In still water there is nothing but rounding from the start: the iteration ends, too, where each Fᵢ is at the
-//! rounding of its terms. The numbers 10⁻⁸ and ε = 10⁻³ are lengths and fluxes of the notebook's: where all of q is far
-//! below ε the iteration may not end.
+//! In still water there is nothing but rounding from the start, and in small flows equations of volume have more of it
+//! than 10⁻⁸ of those of momentum: after the first iterate each Fᵢ that is at the rounding of its terms counts as 0.
+//! The numbers 10⁻⁸ and ε = 10⁻³ are lengths and fluxes of the notebook's: where all of q is far below ε the iteration
+//! may not end. [`Notebook::with_epsilon`] takes another ε; it is in the derivative alone, so that the equations stay
+//! the same. Friction k is that at the centroid of each triangle, where the notebook evaluates it at each point of
+//! quadrature.
 //!
 //! Shapero, "Overland flow" (notebook); Arnold, Brezzi, Fortin 1984 for the element.
 
 use crate::budget::Budget;
 use crate::error::FlowError;
-use crate::flow::{Flow, Resistance};
+use crate::flow::{Flow, Resistance, squares};
 use crate::method::{Method, StepInfo, Trouble};
 use crate::plane::signed_area;
 use crate::sparse::Sparse;
@@ -78,9 +81,8 @@ pub struct Notebook {
     /// The same before bubbles are eliminated, and the sum of the sizes of its terms.
     plain: Vec<f64>,
     terms: Vec<f64>,
+    /// The squares of the bubbles' equations, of those that count.
     of_bubbles: f64,
-    /// Whether the bubbles' equations are at the rounding of their terms.
-    bubbles_rest: bool,
     epsilon: f64,
 }
 
@@ -93,9 +95,31 @@ struct Element {
 }
 
 impl Notebook {
+    /// The notebook's ε, a flux.
+    pub const EPSILON: f64 = 1e-3;
+
     /// The method for a flow with the law of Darcy and Weisbach, with ε = 10⁻³ as in the notebook. Another law,
     /// infiltration, inflow and outlets are [refused](crate::FlowError::NotServed) before the run.
     pub fn of(flow: &Flow) -> Self {
+        Self::with_epsilon(flow, Self::EPSILON)
+    }
+
+    /// The same with this ε, which is to be well below q (the notebook's is 1/27 of the mean of |q|), but not by so
+    /// much that dry ground has no derivative.
+    /// A flow is not [started](Flow::simulate_by) with one that is not a number from 10⁻¹⁵⁰ to 10¹⁵⁰:
+    /// [`FlowError::Number`].
+    ///
+    /// ```
+    /// use rattle_flow::{Flow, Mesh, Notebook, Resistance};
+    /// // A film of millimetres on a hillside of two metres: q is 10⁻⁴ m²/s at most.
+    /// let mesh = Mesh::polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]], 0.25)?;
+    /// let flow = Flow::over(mesh, Resistance::DarcyWeisbach { gravity: 9.81 }).terrain(|[x, _]| 0.1 * x);
+    /// let depth = vec![1e-3; flow.mesh().points().len()];
+    /// let mut simulation = flow.simulate_by(depth, 1.0, |flow| Notebook::with_epsilon(flow, 1e-6))?;
+    /// simulation.run(10)?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_epsilon(flow: &Flow, epsilon: f64) -> Self {
         let mesh = flow.mesh();
         let n = mesh.points().len();
         let groups = mesh.triangles().iter().map(numbers);
@@ -130,8 +154,7 @@ impl Notebook {
             plain: vec![0.0; 3 * n],
             terms: vec![0.0; 3 * n],
             of_bubbles: 0.0,
-            bubbles_rest: true,
-            epsilon: 1e-3,
+            epsilon,
         }
     }
 
@@ -249,12 +272,12 @@ impl Notebook {
         Element { residual, terms, jacobian }
     }
 
-    /// All equations and their derivatives, without the bubbles.
-    fn assemble(&mut self, flow: &Flow, depth: &[f64], guess: &[f64], step: f64, rain: &[f64]) {
+    /// All equations and their derivatives, without the bubbles. Of these, equations up to `rounded` parts of their
+    /// terms do not count.
+    fn assemble(&mut self, flow: &Flow, depth: &[f64], guess: &[f64], step: f64, rain: &[f64], rounded: f64) {
         self.residual.fill(0.0);
         self.plain.fill(0.0);
         self.terms.fill(0.0);
-        self.bubbles_rest = true;
         self.matrix.values.fill(0.0);
         self.of_bubbles = 0.0;
         let triangles = flow.mesh().triangles();
@@ -271,8 +294,8 @@ impl Notebook {
                 let own = solved([residual[9], residual[10]]);
                 let columns: [[f64; 2]; LOCAL] = from_fn(|j| solved([jacobian[9][j], jacobian[10][j]]));
                 self.recovery[triangle] = (own, from_fn(|x| columns.map(|column| column[x])));
-                self.of_bubbles += residual[9].powi(2) + residual[10].powi(2);
-                self.bubbles_rest &= (9..11).all(|i| residual[i].abs() <= ROUNDED * terms[i]);
+                let counting = (9..11).filter(|&i| counts(residual[i], terms[i], rounded));
+                self.of_bubbles += counting.map(|i| residual[i].powi(2)).sum::<f64>();
                 let rows = numbers(&triangles[triangle]);
                 for i in 0..LOCAL {
                     let row = rows[i] as usize;
@@ -311,14 +334,14 @@ impl Notebook {
         let mut first = None;
         let mut change = vec![0.0; self.residual.len()];
         for iteration in 0..=MOST {
-            self.assemble(flow, depth, guess, step, rain);
+            let rounded = if iteration == 0 { 0.0 } else { ROUNDED };
+            self.assemble(flow, depth, guess, step, rain, rounded);
             let idle = self.idle(guess);
-            let squares = self.plain.iter().zip(&idle).filter(|(_, idle)| !**idle).map(|(r, _)| r * r);
-            let size = (squares.sum::<f64>() + self.of_bubbles).sqrt();
+            let counting =
+                (0..idle.len()).filter(|&i| !idle[i] && counts(self.plain[i], self.terms[i], rounded));
+            let size = (counting.map(|i| self.plain[i].powi(2)).sum::<f64>() + self.of_bubbles).sqrt();
             let start = *first.get_or_insert(size);
-            let rests = |row: usize| idle[row] || self.plain[row].abs() <= ROUNDED * self.terms[row];
-            let rounded = || self.bubbles_rest && (0..idle.len()).all(rests);
-            if iteration > 0 && (size < 1e-8 * start || rounded()) || size < 1e-50 {
+            if iteration > 0 && size <= 1e-8 * start || size < 1e-50 {
                 return Ok(iteration);
             }
             change.iter_mut().zip(&self.residual).for_each(|(change, r)| *change = -r);
@@ -359,6 +382,12 @@ const MOST: usize = 50;
 const HELD: f64 = 1e-8;
 /// Each term is a product of some eight rounded factors, and rounding of sums is of random sign.
 const ROUNDED: f64 = 8.0 * f64::EPSILON;
+
+/// Whether an equation is more than this part of its terms, or no number.
+fn counts(residual: f64, terms: f64, rounded: f64) -> bool {
+    !residual.is_finite() || residual.abs() > rounded * terms
+}
+
 /// ∫ 27 φ₀φ₁φ₂ over the area: 27 · 2!/5!.
 const BUBBLE: f64 = 0.45;
 
@@ -404,6 +433,8 @@ fn quadrature() -> Vec<Point> {
 
 impl Method for Notebook {
     fn serves(&self, flow: &Flow) -> Result<(), FlowError> {
+        let expected = "a number from 1e-150 to 1e150; 1e-3 is the notebook's";
+        squares("the ε of the notebook's method", self.epsilon, expected)?;
         let some = |rates: &[f64]| rates.iter().any(|&rate| rate != 0.0);
         let wanting = [
             (!matches!(flow.resistance, Resistance::DarcyWeisbach { .. }), "the law of Gauckler and Manning"),
