@@ -164,6 +164,6 @@ fn report([falling, falling_half]: [&[Run]; 2], [gas, gas_half]: [&Run; 2], bill
         "Second order is a ratio of 4, seen while the paths at h and h/2 are still the same. The motion is chaotic:"
     );
     println!(
-        "later they part, and a few of them meet other bends (the worst of 10 000 directions has ratio 4.08)."
+        "later they part, and a few of them meet other bends (the worst of 10 000 directions has a ratio of about 4.1)."
     );
 }

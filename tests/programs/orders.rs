@@ -20,6 +20,8 @@ mod lobatto_ends;
 mod lobatto_linked;
 #[path = "../planted_faults.rs"]
 mod planted_faults;
+#[path = "../sources.rs"]
+mod sources;
 #[path = "../staggered.rs"]
 mod staggered;
 #[path = "../systems.rs"]
