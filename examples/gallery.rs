@@ -354,6 +354,22 @@ fn links(page: &mut String) -> Outcome {
     Ok(())
 }
 
+/// A name as a program formats it, with `*` for what it puts in.
+fn formatted(word: &str) -> String {
+    let mut parts = word.split('{');
+    let first = parts.next().unwrap_or_default().to_string();
+    parts.fold(first, |name, part| name + "*" + part.split_once('}').map_or("", |(_, after)| after))
+}
+
+/// Whether one name holds all that another says: a file in that folder, or a pattern that the other file is one of.
+fn says_more(one: &str, other: &str) -> bool {
+    let is_between = |(before, after)| {
+        let name = other.strip_prefix(before).and_then(|rest: &str| rest.strip_suffix(after));
+        one != other && name.is_some_and(|name: &str| !name.contains('/'))
+    };
+    one.starts_with(&format!("{other}/")) || one.split_once('*').is_some_and(is_between)
+}
+
 /// Every example by the first line of its documentation and the files that it names.
 fn examples(page: &mut String) -> Outcome {
     let mut files: Vec<_> =
@@ -369,19 +385,16 @@ fn examples(page: &mut String) -> Outcome {
             .map(str::trim)
             .take_while(|line| !line.is_empty())
             .collect();
-        let mut written: Vec<&str> = source
+        let mut written: Vec<String> = source
             .split(|c: char| c.is_whitespace() || "\"`;".contains(c))
             .filter(|word| word.starts_with("out/") && word.len() > 4)
-            .map(|word| word.trim_end_matches([',', '.', ':', '/']))
-            .filter(|word| !word.contains('{'))
+            .map(|word| formatted(word.trim_end_matches([',', '.', ':', '/'])))
+            .filter(|word| !word.starts_with("out/*"))
             .collect();
         written.sort_unstable();
         written.dedup();
-        // A folder that is named beside files in it says nothing more.
         let all = written.clone();
-        written.retain(|word| {
-            !all.iter().any(|other| other.len() > word.len() && other.starts_with(&format!("{word}/")))
-        });
+        written.retain(|word| !all.iter().any(|other| says_more(other, word)));
         let written = written.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
         writeln!(page, "| `{name}` | {} | {written} |", about.join(" "))?;
     }
