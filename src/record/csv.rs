@@ -23,7 +23,7 @@ use std::sync::Arc;
 /// let start = State::at([0.0, 1.0]).moving([1.0, 0.0]);
 /// let mut simulation = Scene::point().simulate(start, Rattle::new(0.5))?;
 /// let stream = Stream::to(Csv::create(&path)?);
-/// let columns = Columns::new().positions().quantity("speed", |now| now.momentum().norm()).with_start();
+/// let columns = Columns::<2>::new().positions().quantity("speed", |now| now.momentum().norm()).with_start();
 /// let mut recorder = Recorder::of(&columns, stream.sink());
 /// simulation.observe(2, 1, &mut recorder)?;
 /// recorder.finish()?;
