@@ -204,8 +204,8 @@ fn active_bodies_stay_at_a_wall() {
     assert!(q.x >= 0.0 && q.x < 2.0 * h * h && p.x.abs() < 2.0 * h, "{q} {p}");
 }
 
-/// Which numbers are drawn depends neither on what is met in a step nor on flows that draw nothing: a body without charge
-/// far from a wall goes as without the wall, beside one with a charge that bounces.
+/// Which numbers are drawn depends neither on what is met in a step nor on flows that draw nothing: a body without
+/// charge far from a wall goes as without the wall, beside one with a charge that bounces.
 #[test]
 fn numbers_are_those_of_the_step_whatever_is_met() {
     let field = MagneticField::new([0.0, 0.0, 1.3]).charges([1.0, 0.0]);
