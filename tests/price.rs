@@ -63,9 +63,7 @@ fn orders_and_errors_are_those_of_the_methods() {
         (
             shown(5e-12, 2e-13),
             [
-                "measured on 5.0000e-12 of",
-                "Lyapunov time 2.000e-13",
-                "until 6.000e-13 after",
+                "measured on 5.0000e-12 of", "Lyapunov time 2.000e-13", "until 6.000e-13 after",
                 "until 2.500e-12;",
             ],
         ),

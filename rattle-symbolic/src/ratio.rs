@@ -113,11 +113,7 @@ mod tests {
             assert_eq!(Ratio::parse(text).map(|ratio| ratio.to_string()).as_deref(), Some(expected));
         }
         for text in [
-            "0.3",
-            "1.94109590902704654",
-            "0.97367621259556569",
-            "0.18993407926227499",
-            "0.97297597543396552",
+            "0.3", "1.94109590902704654", "0.97367621259556569", "0.18993407926227499", "0.97297597543396552",
         ] {
             let value = Ratio::parse(text).map(|ratio| ratio.value());
             assert_eq!(value, text.parse().ok(), "{text}");

@@ -81,11 +81,7 @@ fn each_mistake_has_one_message_and_a_kernel_stands_in() {
         let found = messages(&output);
         assert!(found.len() == 1 && found[0].contains(message), "{input}: {found:?}");
         let stands = [
-            "struct A",
-            "struct AKernel",
-            "fn kernel",
-            "fn residual_and_jacobian",
-            "fn condensed",
+            "struct A", "struct AKernel", "fn kernel", "fn residual_and_jacobian", "fn condensed",
             "fn recovered",
         ];
         assert!(stands.iter().all(|part| output.contains(part)), "{input}: {output}");

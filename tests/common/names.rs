@@ -3,13 +3,7 @@
 /// What a program may be made of, as paths told backwards, so that they do not count where they are asked for: pairs,
 /// tiles of pairs, random numbers, thermostats, a magnetic field, and the sines of random angles.
 pub(crate) const UNASKED: [&str; 7] = [
-    "sriap_neewteb",
-    "secrof_dda::selit",
-    "xolihp",
-    "nivegnal",
-    "nesredna",
-    "citengam",
-    "socnis::htam::mbil",
+    "sriap_neewteb", "secrof_dda::selit", "xolihp", "nivegnal", "nesredna", "citengam", "socnis::htam::mbil",
 ];
 
 /// The file of this program, as text.

@@ -276,20 +276,8 @@ fn prose_is_at_most_120_columns_wide() {
 fn words_that_people_search_lead_somewhere() {
     let sources: String = files(".rs").iter().map(|path| fs::read_to_string(path).unwrap()).collect();
     let words = [
-        "friction",
-        "thermostat",
-        "sample",
-        "uniform",
-        "dt",
-        "joint",
-        "hinge",
-        "motor",
-        "restart",
-        "timestep",
-        "noise",
-        "Langevin",
-        "contact",
-        "pendulum",
+        "friction", "thermostat", "sample", "uniform", "dt", "joint", "hinge", "motor", "restart",
+        "timestep", "noise", "Langevin", "contact", "pendulum",
     ];
     for word in words {
         assert!(sources.contains(&format!("#[doc(alias = \"{word}\")]")), "no page is found by {word}");

@@ -409,12 +409,7 @@ where
         {
             let noise = |step| stirring.rhythm.noise(lane, steps.from + step);
             return Ok(renewed_lanes::by_itself::<f64, _, D>(
-                system,
-                renewal,
-                *h,
-                &noise,
-                steps.number,
-                bodies,
+                system, renewal, *h, &noise, steps.number, bodies,
             )?);
         }
         if const { F::FLOWS > 0 }

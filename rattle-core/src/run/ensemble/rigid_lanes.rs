@@ -253,12 +253,7 @@ where
         if let (Some(renewal), Some(stirring)) = (self.method.renewal, &self.stirring) {
             let noise = |step| stirring.rhythm.noise(lane, steps.from + step);
             return Ok(renewed_lanes::by_itself::<f64, _, D>(
-                system,
-                renewal,
-                self.method.h,
-                &noise,
-                steps.number,
-                bodies,
+                system, renewal, self.method.h, &noise, steps.number, bodies,
             )?);
         }
         if const { Y::FLOWS > 0 }

@@ -145,14 +145,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 let body = tile.start + left.trailing_zeros() as usize;
                 let nothing = [f64::NAN; 2]; // is known of steps before
                 drift::<Newton, _, _, _, _, _, D>(
-                    kick,
-                    h,
-                    None,
-                    nothing,
-                    &self.constraint,
-                    bodies,
-                    body,
-                    witness,
+                    kick, h, None, nothing, &self.constraint, bodies, body, witness,
                 )?;
                 bodies.kept.normal.as_mut()[body] = fused_normal(&self.in_lanes, &bodies.q.as_ref()[body]);
                 left &= left - 1;
