@@ -142,13 +142,22 @@ fn check_halves(variables: &[Variable], problems: &mut Problems) {
     if let Some(early) = (0..half).find(|&place| is_p(place))
         && (several || is_coordinate(&of_p[0]) || !is_p(half))
     {
-        let coordinates: Vec<_> = (0..names.len()).filter(|&place| !is_p(place)).collect();
-        let order = match several && 2 * coordinates.len() == names.len() {
-            true => with_momenta(coordinates.iter().map(|&place| &variables[place])),
-            false => in_order(variables, is_momentum).unwrap_or("|q, p|".to_owned()),
+        let (momenta, coordinates): (Vec<_>, Vec<_>) =
+            variables.iter().enumerate().partition(|&(place, _)| is_p(place));
+        let message = if !several {
+            let order = written(variables.iter().rev().map(|variable| ("", variable)));
+            format!("coordinates come first, then momenta: write `{order}`")
+        } else if coordinates.len() == momenta.len() {
+            let order = with_momenta(coordinates.into_iter().map(|(_, coordinate)| coordinate));
+            format!("coordinates come first, then momenta: write `{order}`")
+        } else {
+            format!(
+                "by their names {} of these are momenta and {} coordinates; each coordinate has one momentum, called as \
+                 it is behind a p: `|x, y, px, py|`",
+                momenta.len(),
+                coordinates.len()
+            )
         };
-        let order = if several { order } else { format!("|{}, {}|", of_p[0], of_q[0]) };
-        let message = format!("coordinates come first, then momenta: write `{order}`");
         return problems.note_at(&variables[early].name, message);
     }
     let (coordinates, momenta) = variables.split_at(half);
@@ -182,13 +191,16 @@ fn is_momentum_among(names: &[String], place: usize, several: bool) -> bool {
 
 /// These coordinates, and momenta of their names.
 fn with_momenta<'a>(coordinates: impl Iterator<Item = &'a Variable> + Clone) -> String {
-    let written = |before: &str, Variable { name, shape }: &Variable| {
-        let number = "f64".to_owned();
-        let array = shape.iter().rev().fold(number, |inner, size| format!("[{inner}; {size}]"));
+    written(coordinates.clone().map(|of| ("", of)).chain(coordinates.map(|of| ("p", of))))
+}
+
+/// A list of variables with their shapes, each with letters before its name.
+fn written<'a>(variables: impl Iterator<Item = (&'a str, &'a Variable)>) -> String {
+    let variables = variables.map(|(before, Variable { name, shape })| {
+        let array = shape.iter().rev().fold("f64".to_owned(), |inner, size| format!("[{inner}; {size}]"));
         if shape.is_empty() { format!("{before}{name}") } else { format!("{before}{name}: {array}") }
-    };
-    let momenta = coordinates.clone().map(|of| written("p", of));
-    format!("|{}|", coordinates.map(|of| written("", of)).chain(momenta).collect::<Vec<_>>().join(", "))
+    });
+    format!("|{}|", variables.collect::<Vec<_>>().join(", "))
 }
 
 /// Whether a momentum is called as that of the coordinate of this place: of `theta1` `ptheta1`, `p_theta1` or `p1`, of

@@ -81,5 +81,13 @@ hamiltonian! {
     pub struct Backwards {}
     |p, phi| p^2 / 2 - cos(phi)
 }
+hamiltonian! {
+    pub struct Halfless {}
+    |z, px, py, pz| (px^2 + py^2 + pz^2) / 2 + z
+}
+phase_constraint! {
+    pub struct Shaped {}
+    |p: [f64; 2], q: [f64; 2]| dot(q, p)
+}
 
 fn main() {}
