@@ -61,8 +61,10 @@ fn fast_draws_are_as_frequent_as_they_should_be() {
 /// In lanes and alone, steps in parts are the same.
 #[test]
 fn parts_in_lanes_are_those_of_simulations() {
-    fn check<S: Method>(method: S) {
-        let scene = Scene::on(Sphere { r: 1.0 }).with(bath());
+    fn check<S: Method>(
+        scene: &Scene<Sphere, impl rattle::effect::Effects<3>, rattle::bodies::One, 3>,
+        method: S,
+    ) {
         let start = |i| scene.maxwell(&State::at([1.0, 0.0, 0.0]).numbered(i), KT, 5).unwrap();
         let mut ensemble = scene.ensemble((0..40).map(start), method.clone()).unwrap().retry(8);
         ensemble.run(12);
@@ -78,8 +80,34 @@ fn parts_in_lanes_are_those_of_simulations() {
             assert!(off < 1e-10 && work < 1e-9, "{}, {i}: {off:e}, {work:e}", method.name());
         }
     }
-    check(Baoab::new(0.4));
-    check(Rattle::new(0.4));
+    let scene = Scene::on(Sphere { r: 1.0 }).with(bath());
+    check(&scene, Baoab::new(0.4));
+    check(&scene, Rattle::new(0.4));
+    let scene = scene.with(MagneticField::new([0.0, 0.0, 2.0]));
+    check(&scene, Baoab::new(0.4));
+    check(&scene, Rattle::new(0.4));
+}
+
+/// Beside a bath that does nothing, a field acts in each part of a step as it does without: not around all parts.
+#[test]
+fn flows_that_draw_nothing_act_in_parts() {
+    let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.5, 0.5]);
+    let scene = Scene::on(Sphere { r: 1.0 });
+    let field = || MagneticField::new([0.0, 0.0, 2.0]);
+    let (alone, h, steps) = (scene.clone().with(field()), 1.5, 40);
+    assert!(alone.simulate(start.clone(), Rattle::new(h)).unwrap().run(steps).is_err());
+    let nothing = Langevin { friction: 1e-15, temperature: 0.0, seed: 3 };
+    let beside = scene.with(nothing).with(field());
+    let mut alone = alone.simulate(start.clone(), Rattle::new(h)).unwrap().retry(8);
+    let mut lanes = beside.ensemble([start.clone()], Rattle::new(h)).unwrap().retry(8);
+    let mut beside = beside.simulate(start, Rattle::new(h)).unwrap().retry(8);
+    alone.run(steps).unwrap();
+    beside.run(steps).unwrap();
+    lanes.run(steps);
+    let lane = lanes.state(0).positions().next().unwrap();
+    for (name, place) in [("alone", beside.position()), ("in lanes", lane)] {
+        assert!((place - alone.position()).norm() < 1e-10, "{name}: {place} for {}", alone.position());
+    }
 }
 
 /// The step in parts has the noise of the whole step, to the bit.

@@ -18,7 +18,7 @@ use crate::motion::failure::Failure;
 use crate::motion::method::{Method, Renewal, View, check_step_size};
 use crate::motion::need::Kicks;
 use crate::motion::parts::BodiesOf;
-use crate::motion::stir;
+use crate::motion::stir::{self, Chosen};
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::real::Scalar;
@@ -190,7 +190,7 @@ pub(crate) fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
     let kick = renewal.kick;
     if const { Y::FLOWS > 0 } {
         stir::take_note(Half::Before, 0.5 * h, system, bodies);
-        stir::push(Half::Before, kick, system, bodies)?;
+        stir::push(Chosen::All, Half::Before, kick, system, bodies)?;
     }
     system.drift(kick, h, bodies, witness).map_err(|failure| by_noise(h, failure))?;
     stir::take_note(Half::After, 0.5 * h, system, bodies);

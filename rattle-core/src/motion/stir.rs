@@ -105,22 +105,10 @@ pub(crate) fn feels<T: Scalar, Y: System<T, D>, const D: usize>(system: &Y) -> b
 /// The order of steps with flows, unless that of the method is lower.
 pub(crate) const ORDER: u32 = 2;
 
-/// One step of the method; of a system with flows between two halves of them, unless the method has them act itself.
+/// One step of the method; of a system with flows between two halves of the chosen ones, unless the method has them act
+/// itself.
 #[inline(always)]
 pub(crate) fn step<S: Method, T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
-    method: &S,
-    seen: View<'_, S, T, Y, D>,
-    system: &Y,
-    bodies: &mut BodiesOf<Y, T, D>,
-    memory: &mut [T],
-    witness: &mut W,
-) -> Result<(), Failure> {
-    step_with(Chosen::All, method, seen, system, bodies, memory, witness)
-}
-
-/// The same with some of the flows.
-#[inline(always)]
-pub(crate) fn step_with<S: Method, T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
     chosen: Chosen,
     method: &S,
     seen: View<'_, S, T, Y, D>,
@@ -133,9 +121,9 @@ pub(crate) fn step_with<S: Method, T: Scalar, Y: System<T, D>, W: Witness<T>, co
         return method.step(seen, bodies, memory, witness);
     }
     let half = 0.5 * method.step_size();
-    let first = |bodies: &mut BodiesOf<Y, T, D>| stir_some(chosen, Half::Before, half, system, bodies);
+    let first = |bodies: &mut BodiesOf<Y, T, D>| stir(chosen, Half::Before, half, system, bodies);
     let mut middle = |bodies: &mut BodiesOf<Y, T, D>| method.step(seen, bodies, memory, witness);
-    let last = |bodies: &mut BodiesOf<Y, T, D>| stir_some(chosen, Half::After, half, system, bodies);
+    let last = |bodies: &mut BodiesOf<Y, T, D>| stir(chosen, Half::After, half, system, bodies);
     // Bodies that constraints move are never at rest.
     if feels(system) && !system.constraints_move() {
         return sticking::step(system, bodies, first, middle, last);
@@ -156,10 +144,10 @@ pub(crate) fn in_the_middle<T: Scalar, Y: System<T, D>, const D: usize>(
         return Ok(());
     }
     if at_once(system) {
-        return stir(Half::Before, h, system, bodies);
+        return stir(Chosen::All, Half::Before, h, system, bodies);
     }
-    stir(Half::After, 0.5 * h, system, bodies)?; // of the drift that was
-    stir(Half::Before, 0.5 * h, system, bodies)
+    stir(Chosen::All, Half::After, 0.5 * h, system, bodies)?; // of the drift that was
+    stir(Chosen::All, Half::Before, 0.5 * h, system, bodies)
 }
 
 /// Whether flows that act in the middle of a step act all at once: the two halves of more than one, or of one that is
@@ -173,19 +161,9 @@ pub(crate) fn times<S: Method, T: Scalar, Y: System<T, D>, const D: usize>(syste
     if S::STIRS && (S::FORGETS || at_once(system)) { 1 } else { 2 }
 }
 
-/// Has all flows act for a time h, one after the other, and take note of it. Positions, and what is kept there, stay.
-/// The change of kinetic energy counts as work.
+/// Has the chosen flows act for a time h, one after the other, and take note of it; those that draw take note for all.
+/// Positions, and what is kept there, stay. The change of kinetic energy counts as work.
 pub(crate) fn stir<T: Scalar, Y: System<T, D>, const D: usize>(
-    half: Half,
-    h: f64,
-    system: &Y,
-    bodies: &mut BodiesOf<Y, T, D>,
-) -> Result<(), Failure> {
-    stir_some(Chosen::All, half, h, system, bodies)
-}
-
-/// The same of some flows; those that draw take note for all.
-pub(crate) fn stir_some<T: Scalar, Y: System<T, D>, const D: usize>(
     chosen: Chosen,
     half: Half,
     h: f64,
@@ -196,7 +174,7 @@ pub(crate) fn stir_some<T: Scalar, Y: System<T, D>, const D: usize>(
     if notes && half == Half::Before {
         take_note(half, h, system, bodies);
     }
-    push_some(chosen, half, h, system, bodies)?;
+    push(chosen, half, h, system, bodies)?;
     if notes && half == Half::After {
         take_note(half, h, system, bodies);
         bodies.noise.place += u64::from(Y::REMEMBERS);
@@ -246,18 +224,8 @@ pub(crate) fn take_note<T: Scalar, Y: System<T, D>, const D: usize>(
 /// Who has flows act for a time h.
 type Act<Y, T, const D: usize> = fn(Chosen, Half, f64, &Y, &mut BodiesOf<Y, T, D>) -> Result<(), Failure>;
 
-/// Has all flows act for a time h, one after the other.
+/// Has the chosen flows act for a time h, one after the other.
 pub(crate) fn push<T: Scalar, Y: System<T, D>, const D: usize>(
-    half: Half,
-    h: f64,
-    system: &Y,
-    bodies: &mut BodiesOf<Y, T, D>,
-) -> Result<(), Failure> {
-    push_some(Chosen::All, half, h, system, bodies)
-}
-
-/// The same of some flows.
-pub(crate) fn push_some<T: Scalar, Y: System<T, D>, const D: usize>(
     chosen: Chosen,
     half: Half,
     h: f64,

@@ -5,7 +5,7 @@ use crate::effect::list::Forces;
 use crate::error::Error;
 use crate::motion::course::look;
 use crate::motion::method::Method;
-use crate::motion::stir::{stir, times};
+use crate::motion::stir::{Chosen, stir, times};
 use crate::motion::system::System;
 use crate::run::simulation::Simulation;
 use std::fmt;
@@ -142,7 +142,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
                 names.push(self.system.effects().manner(number).1);
             }
             let h = 1e-6 * self.method.step_size();
-            let one = time(&mut || drop(black_box(stir(Half::Before, h, &copy.system, &mut copy.bodies))));
+            let (system, bodies) = (&copy.system, &mut copy.bodies);
+            let one = time(&mut || drop(black_box(stir(Chosen::All, Half::Before, h, system, bodies))));
             let nanoseconds = f64::from(times::<S, _, _, D>(&self.system)) * one;
             items.push(Item { what: format!("momenta by `{}`", names.join("`, `")), nanoseconds });
         }

@@ -19,10 +19,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// no step is ever divided, since a run with a divided step is no longer the iteration of one map, and at that step
     /// neither symplectic nor reversible.
     ///
-    /// Random forces draw the numbers of the whole step, around all parts, or in the middle of `Baoab`, whose free
-    /// motion is made finer, as far as 65 536 parts go: if parts drew others, the bath would be too cold, since fast
-    /// draws are those that fail. A method of one's own that has flows act [inside](Method::STIRS) its step, and names
-    /// no [finer](Method::finer) one, is not divided where these are random.
+    /// Random forces draw the numbers of the whole step, around all parts, in which other flows act; or in the middle
+    /// of `Baoab`, whose free motion is made finer, as far as 65 536 parts go: if parts drew others, the bath would be
+    /// too cold, since fast draws are those that fail. A method of one's own that has flows act [inside](Method::STIRS)
+    /// its step, and names no [finer](Method::finer) one, is not divided where these are random.
     ///
     /// The memory of a method is reset before and after the parts, which allocates. Steps of staggered methods are not
     /// divided, since their momenta belong to one step size.
@@ -56,13 +56,13 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             None => (self.method.with_step(h / f64::from(parts)), parts),
         };
         let around = const { !S::STIRS } && random;
-        let inside = if around { Chosen::None } else { Chosen::All };
+        let inside = if around { Chosen::inside(&self.system) } else { Chosen::All };
         if random {
             self.bodies.noise = self.noise();
         }
         let seen = view(&method, &self.system)?;
         if around {
-            stir(Half::Before, 0.5 * h, &self.system, &mut self.bodies)?;
+            stir(Chosen::Drawing, Half::Before, 0.5 * h, &self.system, &mut self.bodies)?;
         }
         let mut memory = method.memory_within(seen, &self.bodies, self.memory.as_ref());
         let (system, bodies) = (&self.system, &mut self.bodies);
@@ -74,7 +74,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             }
         }
         if around {
-            stir(Half::After, 0.5 * h, &self.system, &mut self.bodies)?;
+            stir(Chosen::Drawing, Half::After, 0.5 * h, &self.system, &mut self.bodies)?;
         }
         self.memory = self.method.memory_within(seen, &self.bodies, self.memory.as_ref());
         Ok(())

@@ -5,7 +5,7 @@ use crate::motion::bodies::Saved;
 use crate::motion::course::check;
 use crate::motion::method::Method;
 use crate::motion::parts::BodiesOf;
-use crate::motion::stir::{Chosen, step_with};
+use crate::motion::stir::{Chosen, step};
 use crate::motion::system::System;
 use crate::motion::witness::{Hears, Whoever};
 use crate::run::trouble::Trouble;
@@ -23,7 +23,7 @@ pub(in crate::run) fn seldom<Y: System<f64, D>, S: Method, const D: usize>(
     flows: Chosen,
 ) -> Result<(), Trouble> {
     let (seen, mut witness) = (view(method, system)?, Whoever(witness));
-    Ok(step_with(flows, method, seen, system, bodies, memory, &mut witness)?)
+    Ok(step(flows, method, seen, system, bodies, memory, &mut witness)?)
 }
 
 /// A part of a step, which is looked at as a step is; returns the [time that it took](Method::time_taken), if the

@@ -354,8 +354,15 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         if const { Y::FLOWS > 0 || S::DRAWS } {
             self.bodies.noise = self.noise();
         }
-        let stepped =
-            step(&self.method, system, &self.system, &mut self.bodies, self.memory.as_mut(), witness);
+        let stepped = step(
+            Chosen::All,
+            &self.method,
+            system,
+            &self.system,
+            &mut self.bodies,
+            self.memory.as_mut(),
+            witness,
+        );
         let taken = self.method.time_taken(self.memory.as_ref());
         let h = taken.unwrap_or(self.method.step_size());
         let look = |()| check::<S, _, _, D>(h, &self.system, &self.before, &mut self.bodies);

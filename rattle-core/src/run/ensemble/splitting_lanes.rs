@@ -11,7 +11,7 @@ use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
 use crate::motion::parts::{BodiesOf, Parts};
 use crate::motion::record::{Hallmark, Reading, Record};
-use crate::motion::stir::{draws, in_the_middle, stir};
+use crate::motion::stir::{Chosen, draws, in_the_middle, stir};
 use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
@@ -262,16 +262,16 @@ impl StirredAlone<'_> {
         }
     }
 
-    /// Has flows act for a time h in the middle of a step, or for half of it.
+    /// Has flows act for a time h in the middle of a step, or some of them for half of it.
     fn act<S: Lane, Y: System<S, D>, const D: usize>(
         &mut self,
-        half: Option<Half>,
+        half: Option<(Chosen, Half)>,
         h: f64,
         system: &Y,
         bodies: &mut BodiesOf<Y, S, D>,
     ) -> Result<(), Failure> {
         let acted = match half {
-            Some(half) => stir(half, 0.5 * h, system, bodies),
+            Some((chosen, half)) => stir(chosen, half, 0.5 * h, system, bodies),
             None => in_the_middle(h, system, bodies),
         };
         *self.place = bodies.noise.place;
@@ -321,8 +321,7 @@ impl<S: Lane, Y: System<S, D>, const D: usize> Work for ByItself<'_, Y, S, D> {
         {
             of.after *= stages.len() / of_whole;
         }
-        let whole = if around { time * f64::from(parts) } else { time };
-        let mut step = InParts { system, stages: &stages, parts, around, whole, stirred };
+        let mut step = InParts { system, stages: &stages, parts, around, time, stirred };
         let back = backwards(&stages);
         for taken in 0..number {
             if taken > 0 {
@@ -355,9 +354,9 @@ impl<S: Lane, Y: System<S, D>, const D: usize> Work for ByItself<'_, Y, S, D> {
                 let ended = bodies.saved();
                 system.put_back(&mut bodies, &ended); // the way back begins anew
                 end = Some(ended);
-                (step.stages, step.whole) = (&back, -whole);
+                (step.stages, step.time) = (&back, -time);
             }
-            (step.stages, step.whole) = (&stages, whole);
+            (step.stages, step.time) = (&stages, time);
             if let Some(stirred) = &mut step.stirred {
                 stirred.work += bodies.work.to_f64();
             }
@@ -367,14 +366,14 @@ impl<S: Lane, Y: System<S, D>, const D: usize> Work for ByItself<'_, Y, S, D> {
     }
 }
 
-/// A step of so many parts of these stages; with flows around all of them, or around each.
+/// A step of so many parts of these stages; with flows around each, or those that draw around all of them.
 struct InParts<'a, Y> {
     system: &'a Y,
     stages: &'a [Stage],
     parts: u32,
     around: bool,
-    /// For how long flows act.
-    whole: f64,
+    /// For how long flows act in each part.
+    time: f64,
     stirred: Option<StirredAlone<'a>>,
 }
 
@@ -384,22 +383,26 @@ impl<'a, Y> InParts<'a, Y> {
     where
         Y: System<S, D>,
     {
-        let Self { system, stages, parts, around, whole, .. } = *self;
+        let Self { system, stages, parts, around, time, .. } = *self;
+        let whole = f64::from(parts) * time;
+        let inside = if around { Chosen::inside(system) } else { Chosen::All };
         for part in 0..parts {
             let before = (parts > 1).then(|| bodies.saved());
-            if !around || part == 0 {
-                self.act(0, Some(Half::Before), whole, bodies)?;
+            if around && part == 0 {
+                self.act(0, Some((Chosen::Drawing, Half::Before)), whole, bodies)?;
             }
+            self.act(0, Some((inside, Half::Before)), time, bodies)?;
             for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
                 system.drift(before, h, bodies, &mut ())?;
                 if after != 0.0 || stages[(i + 1) % stages.len()].before != 0.0 {
                     system.evaluate_forces(bodies);
                 }
                 system.settle(after, h, bodies, &mut ())?;
-                self.act(i + 1, None, whole, bodies)?;
+                self.act(i + 1, None, time, bodies)?;
             }
-            if !around || part + 1 == parts {
-                self.act(0, Some(Half::After), whole, bodies)?;
+            self.act(0, Some((inside, Half::After)), time, bodies)?;
+            if around && part + 1 == parts {
+                self.act(0, Some((Chosen::Drawing, Half::After)), whole, bodies)?;
             }
             if let Some(before) = before {
                 system.check_kinks(&before, bodies)?;
@@ -411,7 +414,7 @@ impl<'a, Y> InParts<'a, Y> {
     fn act<S: Lane, const D: usize>(
         &mut self,
         of: usize,
-        half: Option<Half>,
+        half: Option<(Chosen, Half)>,
         h: f64,
         bodies: &mut BodiesOf<Y, S, D>,
     ) -> Result<(), Failure>

@@ -19,7 +19,7 @@
 use crate::effect::interval::Half;
 use crate::motion::capability::Rates;
 use crate::motion::method::{Method, Splitting};
-use crate::motion::stir::{Chosen, SHORTLY, push_some};
+use crate::motion::stir::{Chosen, SHORTLY, push};
 use crate::motion::system::System;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::run::events::stretch::Stretch;
@@ -90,7 +90,7 @@ fn ask_flows<Y: System<f64, D>, S: Method, const D: usize>(
     let Stretch { system, ref mut bodies, ref mut aside, flows, .. } = *stretch;
     let noise = bodies.noise;
     system.put_aside(bodies, &mut aside[0]);
-    let pushed = push_some(flows, Half::Before, h, system, bodies);
+    let pushed = push(flows, Half::Before, h, system, bodies);
     let before = aside[0].p.as_ref();
     for ((rate, p), before) in rates.iter_mut().zip(bodies.p.as_ref()).zip(before) {
         *rate = scaled(1.0 / h, &add_scaled(p, -1.0, before));

@@ -7,7 +7,7 @@ use crate::motion::bodies::Saved;
 use crate::motion::course::check;
 use crate::motion::method::Method;
 use crate::motion::parts::BodiesOf;
-use crate::motion::stir::{Chosen, stir_some};
+use crate::motion::stir::{Chosen, stir};
 use crate::motion::system::System;
 use crate::motion::witness::Hears;
 use crate::run::seldom::{part, seldom};
@@ -76,11 +76,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
     ) -> Result<u64, Trouble> {
         let h = self.method.step_size();
         self.go_back();
-        stir_some(Chosen::Drawing, Half::Before, 0.5 * h, self.system, self.bodies)?;
+        stir(Chosen::Drawing, Half::Before, 0.5 * h, self.system, self.bodies)?;
         self.begin();
         let went = self.go(h.abs());
         let met = meet(self, went)?;
-        stir_some(Chosen::Drawing, Half::After, 0.5 * h, self.system, self.bodies)?;
+        stir(Chosen::Drawing, Half::After, 0.5 * h, self.system, self.bodies)?;
         Ok(met)
     }
 
