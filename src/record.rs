@@ -31,7 +31,10 @@
 //!
 //! Where a writer fails (a full disk, a closed pipe), the run ends at the next block of rows with
 //! [`Error::Recorder`](crate::Error::Recorder), in its state after the last step, and [`Stream::finish`] says how many
-//! rows were written. An ensemble ends too, with all trajectories after the same step.
+//! rows the writer had taken. An ensemble ends too, with all trajectories after the same step.
+//!
+//! A run that continues from a [checkpoint](crate::run::checkpoint) records into files of its own: `create` empties a
+//! file that is there, whose rows may go on beyond the checkpoint.
 
 mod csv;
 #[cfg(feature = "parquet")]

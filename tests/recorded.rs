@@ -134,7 +134,7 @@ fn vtu_takes_one_trajectory_and_xyz_names_each() {
     let vtu = |name: &str| Stream::to(Vtu::create(folder.path().join(name)).unwrap());
     assert_eq!(recorded(vtu("one"), 1), Ok(2));
     let error = recorded(vtu("two"), 2).unwrap_err();
-    assert!(error.contains("2 rows were written, then: VTU takes one trajectory"), "{error}");
+    assert!(error.contains("the writer had taken 2 rows, then: VTU takes one trajectory"), "{error}");
     let path = folder.path().join("two.xyz");
     assert_eq!(recorded(Stream::to(Xyz::create(&path, "X").unwrap()), 2), Ok(4));
     let text = fs::read_to_string(path).unwrap();

@@ -167,7 +167,7 @@ fn what_cannot_be_written_ends_the_run_and_leaves_it_as_it_was() {
     let mut recorder = Recorder::of(&Columns::new().energies(), stream.sink());
     let error = simulation.observe(1_000_000, 1, &mut recorder).unwrap_err();
     assert!(matches!(error, Error::Recorder { .. }), "{error}");
-    assert!(error.to_string().contains("2048 rows were written, then"), "{error}");
+    assert!(error.to_string().contains("the writer had taken 2048 rows, then"), "{error}");
     let steps = simulation.steps();
     assert!((3072..100_000).contains(&steps), "{steps}"); // what waited for the writer was handed on
     alone.run(steps).unwrap();
@@ -313,7 +313,7 @@ fn no_row_is_lost_without_a_word() {
     let mut recorder = Recorder::of(&columns, stream.sink());
     ring(2).observe(3, 1, &mut recorder).unwrap();
     let error = stream.finish().unwrap_err();
-    assert!(error.to_string().contains("0 rows were written, then: a recorder still has rows"), "{error:?}");
+    assert!(error.to_string().contains("taken 0 rows, then: a recorder still has rows"), "{error:?}");
     assert_eq!(format!("{error:?}"), error.to_string(), "a program that ends with it says the same");
     assert!(recorder.finish().is_err());
 }

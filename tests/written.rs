@@ -4,7 +4,7 @@ use crate::recorders::{python, read_by};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use rattle::Error;
 use rattle::prelude::*;
-use rattle::record::{Csv, Stream, Xyz};
+use rattle::record::{Csv, Stream, Writer, Xyz};
 use rattle::vtu::{Cells, Field, Series, text};
 use rattle::watch::{Columns, Recorder, Rows};
 use std::fs::{self, File};
@@ -222,7 +222,7 @@ fn a_table_of_text_has_one_line_of_names() {
     let twice = plain.clone().quantity("q_0_0", |_| 1.0);
     assert!(told(&[&twice]).unwrap_err().contains("two columns would be called `q_0_0`"));
     let error = told(&[&plain, &plain.clone().momenta()]).unwrap_err();
-    assert!(error.contains("2 rows were written, then: rows have other columns"), "{error}");
+    assert!(error.contains("the writer had taken 2 rows, then: rows have other columns"), "{error}");
 }
 
 /// Rows are whole lines in the file after a flush.
@@ -239,6 +239,68 @@ fn rows_of_text_are_in_the_file_after_a_flush() {
     assert_eq!(lines(), 31);
     recorder.finish().unwrap();
     assert_eq!((stream.finish().unwrap(), lines()), (30, 31));
+}
+
+/// A file that looks at each piece that is written to it.
+struct Pieces<F>(F);
+
+impl<F: Fn(&str)> io::Write for Pieces<F> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        (self.0)(std::str::from_utf8(bytes).unwrap());
+        Ok(bytes.len())
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// A program that is killed leaves whole lines and whole frames, since nothing else is handed to the system.
+#[test]
+fn pieces_of_text_are_whole() {
+    let columns = Columns::<3>::new().positions().constraint_forces();
+    let record = |stream: Stream| {
+        let mut recorder = Recorder::of(&columns, stream.sink());
+        two_bodies().observe(2000, 1, &mut recorder).unwrap();
+        recorder.finish().unwrap();
+        assert_eq!(stream.finish().unwrap(), 2000);
+    };
+    record(Stream::to(Csv::to(Pieces(|text: &str| assert!(text.ends_with('\n'), "{text}")))));
+    record(Stream::to(Xyz::to(
+        Pieces(|text: &str| {
+            let lines: Vec<_> = text.lines().collect();
+            for frame in lines.chunks(4) {
+                assert!(frame.len() == 4 && frame[0] == "2", "{text}");
+                assert!(
+                    frame[1].starts_with("Properties=species:S:1:pos:R:3:constraint_forces:R:3 "),
+                    "{text}"
+                );
+                assert!(frame[2..].iter().all(|line| line.split(' ').count() == 7), "{text}");
+            }
+        }),
+        "X",
+    )));
+}
+
+/// A writer that panics is not taken for a stream that was finished.
+#[test]
+fn a_writer_that_panics_is_told() {
+    struct Hasty(u64);
+    impl Writer for Hasty {
+        fn write(&mut self, rows: &Rows) -> io::Result<()> {
+            assert!(self.0 == 0, "more than one block");
+            self.0 += rows.len() as u64;
+            Ok(())
+        }
+        fn finish(self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+    let stream = Stream::to(Hasty(0));
+    let mut recorder = Recorder::of(&Columns::<3>::new().positions(), stream.sink());
+    let ended = two_bodies().observe(100_000, 1, &mut recorder).and_then(|()| recorder.finish());
+    assert!(matches!(&ended, Err(Error::Recorder { why, .. }) if why.contains("panicked")), "{ended:?}");
+    let error = stream.finish().unwrap_err();
+    assert!(error.rows > 0 && error.to_string().contains("the writer panicked"), "{error}");
 }
 
 #[cfg(unix)]

@@ -72,7 +72,8 @@ impl<W: Write> Csv<W> {
             let is_plain = !name.contains([',', '"', '\n', '\r']);
             if is_plain { name } else { format!("\"{}\"", name.replace('"', "\"\"")) }
         };
-        writeln!(self.to, "{}", names.into_iter().map(quoted).collect::<Vec<_>>().join(","))?;
+        let line = names.into_iter().map(quoted).collect::<Vec<_>>().join(",") + "\n";
+        self.to.write_all(line.as_bytes())?;
         self.columns = Some(columns.clone());
         Ok(())
     }
@@ -88,14 +89,16 @@ impl<W: Write + Send + 'static> Writer for Csv<W> {
             }
             Some(_) => {}
         }
-        let width = width(&rows.columns);
+        let (width, mut line) = (width(&rows.columns), Vec::new());
         for row in 0..rows.len() {
             let (step, trajectory, time) = (rows.steps[row], rows.trajectories[row], rows.times[row]);
-            write!(self.to, "{step},{trajectory},{time:?}")?;
+            write!(line, "{step},{trajectory},{time:?}")?;
             for number in &rows.numbers[row * width..][..width] {
-                write!(self.to, ",{number:?}")?;
+                write!(line, ",{number:?}")?;
             }
-            writeln!(self.to)?;
+            writeln!(line)?;
+            self.to.write_all(&line)?; // as a whole: a buffer is passed on between lines
+            line.clear();
         }
         Ok(())
     }

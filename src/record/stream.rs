@@ -5,6 +5,7 @@ use crate::files;
 use crate::watch::{Column, Rows, Sink};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -39,9 +40,9 @@ pub trait Writer: Send + 'static {
 
 /// A file could not be written to its end.
 #[derive(thiserror::Error)]
-#[error("{rows} rows were written, then: {source}")]
+#[error("the writer had taken {rows} rows, then: {source}")]
 pub struct StreamError {
-    /// Rows that were written.
+    /// Rows that the writer had taken before. The last of them may not have come as far as the file.
     pub rows: u64,
     /// What the system says.
     pub source: io::Error,
@@ -75,7 +76,10 @@ impl Stream {
         let why = Arc::new(Mutex::new(String::new()));
         let told = why.clone();
         let thread = spawn(move || {
-            let ended = write_all(writer, &receiver);
+            let mut taken = 0;
+            let ended = catch_unwind(AssertUnwindSafe(|| write_all(writer, &receiver, &mut taken)));
+            let ended = ended.unwrap_or_else(|_| Err(io::Error::other("the writer panicked")));
+            let ended = ended.map_err(|source| StreamError { rows: taken, source }).map(|()| taken);
             if let Err(error) = &ended {
                 *told.lock().unwrap_or_else(PoisonError::into_inner) = error.to_string();
             }
@@ -98,13 +102,11 @@ impl Stream {
     /// first.
     ///
     /// # Errors
-    /// [`StreamError`], with the number of rows that were written; also where a recorder is not finished, whose last
-    /// rows then are missing in a file that is complete otherwise.
+    /// [`StreamError`], with the number of rows that the writer had taken; also where a recorder is not finished, whose
+    /// last rows then are missing in a file that is complete otherwise.
     pub fn finish(self) -> Result<u64, StreamError> {
         let _ = self.sender.send(Told::End); // a thread that has ended needs no telling
-        let rows = self.thread.join().unwrap_or_else(|_| {
-            Err(StreamError { rows: 0, source: io::Error::other("the thread that writes panicked") })
-        })?;
+        let rows = self.thread.join().unwrap_or_else(|panic| resume_unwind(panic))?; // those of writers are caught
         if Arc::strong_count(&self.unfinished) > 1 {
             let source = wrong("a recorder still has rows: finish recorders first, then the stream");
             return Err(StreamError { rows, source });
@@ -163,23 +165,21 @@ pub(super) fn taken(waiting: &mut Rows) -> Rows {
     std::mem::replace(waiting, Rows { columns, ..Rows::default() })
 }
 
-fn write_all(mut writer: impl Writer, receiver: &Receiver<Told>) -> Result<u64, StreamError> {
-    let mut written = 0;
+/// Does what it is told, and counts the rows that the writer has taken.
+fn write_all(mut writer: impl Writer, receiver: &Receiver<Told>, taken: &mut u64) -> io::Result<()> {
     loop {
         match receiver.recv() {
             Ok(Told::Rows(rows)) => {
-                writer.write(&rows).map_err(|source| StreamError { rows: written, source })?;
-                written += rows.len() as u64;
+                writer.write(&rows)?;
+                *taken += rows.len() as u64;
             }
             Ok(Told::Flush(answer)) => {
-                writer.flush().map_err(|source| StreamError { rows: written, source })?;
+                writer.flush()?;
                 let _ = answer.send(()); // who asked may be gone
             }
-            Ok(Told::End) | Err(_) => break,
+            Ok(Told::End) | Err(_) => return writer.finish(),
         }
     }
-    writer.finish().map_err(|source| StreamError { rows: written, source })?;
-    Ok(written)
 }
 
 /// Passes rows to the thread that writes them.
@@ -298,7 +298,8 @@ impl Writer for NpzParts {
     }
 }
 
-/// Extended XYZ: one frame for each row, with the positions of the bodies and, if they were recorded, their momenta.
+/// Extended XYZ: one frame for each row, with the positions of the bodies and, if they were recorded, their momenta and
+/// `constraint_forces`.
 /// Bodies have one to three coordinates; missing ones are written as 0. The second line of a frame has the time, step,
 /// trajectory and the other numbers of the row; a quantity of one's own called `p` is one of these. They are called as
 /// they were recorded, with `_` for blanks, `=`, quotes, brackets and `\`. A quantity called as a key of the format
@@ -327,6 +328,10 @@ impl Xyz<File> {
 
 /// What a line of extended XYZ says besides the quantities of a user.
 const KEYS: [&str; 6] = ["Lattice", "Properties", "pbc", "Time", "Step", "Trajectory"];
+
+/// What has a vector for each body, and what the format calls it.
+const VECTORS: [(&str, &str); 3] =
+    [("q", "pos"), ("p", "momenta"), ("constraint_forces", "constraint_forces")];
 
 /// Blanks divide what stands in a line.
 fn one_word(species: &str) -> io::Result<()> {
@@ -398,12 +403,13 @@ impl<W: Write + Send + 'static> Writer for Xyz<W> {
                 self.species.len()
             )));
         }
-        let mut vectors = vec![rows.numbers("q").collect::<Vec<_>>()];
-        let has_momenta = is_as_positions(rows, "p");
-        vectors.extend(has_momenta.then(|| rows.numbers("p").collect()));
-        let momenta = if has_momenta { ":momenta:R:3" } else { "" };
-        let is_vector = |name: &str| name == "q" || has_momenta && name == "p";
-        let others = rows.columns.iter().filter(|column| !is_vector(&column.name));
+        let is_vector =
+            |name: &&str| VECTORS.map(|(name, _)| name).contains(name) && is_as_positions(rows, name);
+        let vectors = VECTORS.iter().filter(|(name, _)| is_vector(name));
+        let (vectors, properties): (Vec<_>, String) = vectors
+            .map(|(name, property)| (rows.numbers(name).collect::<Vec<_>>(), format!(":{property}:R:3")))
+            .unzip();
+        let others = rows.columns.iter().filter(|column| !is_vector(&&*column.name));
         let key = |name: &str| name.replace(|c: char| c.is_whitespace() || "=\"'{}[]()\\".contains(c), "_");
         let others = others.map(|column| (key(&column.name), rows.numbers(&column.name).collect::<Vec<_>>()));
         let others = others.collect::<Vec<_>>();
@@ -417,26 +423,29 @@ impl<W: Write + Send + 'static> Writer for Xyz<W> {
                 return Err(wrong(format!("two quantities would be called `{name}` in extended XYZ")));
             }
         }
+        let mut frame = Vec::new();
         for row in 0..rows.len() {
             let (step, trajectory, time) = (rows.steps[row], rows.trajectories[row], rows.times[row]);
-            writeln!(self.to, "{bodies}")?;
-            write!(self.to, "Properties=species:S:1:pos:R:3{momenta} {} ", self.cell)?;
-            write!(self.to, "Time={time:?} Step={step} Trajectory={trajectory}")?;
+            writeln!(frame, "{bodies}")?;
+            write!(frame, "Properties=species:S:1{properties} {} ", self.cell)?;
+            write!(frame, "Time={time:?} Step={step} Trajectory={trajectory}")?;
             for (name, numbers) in &others {
                 let numbers = numbers[row].iter().map(|x| format!("{x:?}")).collect::<Vec<_>>();
-                write!(self.to, " {name}=\"{}\"", numbers.join(" "))?;
+                write!(frame, " {name}=\"{}\"", numbers.join(" "))?;
             }
-            writeln!(self.to)?;
+            writeln!(frame)?;
             for body in 0..bodies {
-                write!(self.to, "{}", self.species[body.min(self.species.len() - 1)])?;
+                write!(frame, "{}", self.species[body.min(self.species.len() - 1)])?;
                 for of in &vectors {
                     for i in 0..3 {
                         let x = if i < coordinates { of[row][body * coordinates + i] } else { 0.0 };
-                        write!(self.to, " {x:?}")?;
+                        write!(frame, " {x:?}")?;
                     }
                 }
-                writeln!(self.to)?;
+                writeln!(frame)?;
             }
+            self.to.write_all(&frame)?; // as a whole: a buffer is passed on between frames
+            frame.clear();
         }
         Ok(())
     }
