@@ -18,7 +18,7 @@ use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::run::ensemble::linked_plan::{LinkedPlan, Places, add_product};
-use crate::run::ensemble::linked_projected_row::terms;
+use crate::run::ensemble::linked_projected_row::{at_least, terms};
 use crate::run::ensemble::linked_row::{Course, add_times};
 use crate::run::ensemble::linked_stand::{Departs, Pulls, Stand};
 use crate::run::ensemble::pace::{ARRIVED, MOVES};
@@ -264,7 +264,8 @@ impl<const W: usize> Collocation<W> {
             numbers[free..free + n].fill(zeros());
             course.kick(1.0, free, numbers, pulling);
             for &c in &plan.moving {
-                farther(square, &numbers[free + c], &mut ways[of_coordinate[c]]);
+                // A way is the sum of what forces alone do and of what constraints do, and is rounded as both.
+                at_least(square, &numbers[free + c], &mut ways[of_coordinate[c]]);
             }
             for (entry, &[c, row]) in plan.of_entry.iter().enumerate() {
                 let normal = &normals[i * entries + entry];
@@ -470,14 +471,6 @@ fn lead<const W: usize>(
 fn larger<const W: usize>(q: &Numbers<W>, most: &mut Numbers<W>) {
     for l in 0..W {
         most.0[l] = most.0[l].max(q.0[l].abs());
-    }
-}
-
-/// Notes how far forces alone push: the way is the sum of that and of what constraints do, and is rounded as both.
-#[inline(always)]
-fn farther<const W: usize>(square: Number, pushed: &Numbers<W>, farthest: &mut Numbers<W>) {
-    for l in 0..W {
-        farthest.0[l] = farthest.0[l].max((square * pushed.0[l]).abs());
     }
 }
 

@@ -21,7 +21,7 @@ use crate::number::real::Real;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::linked_plan::{Places, add_product};
 use crate::run::ensemble::linked_projected_row::{
-    Kept, Landed, Sums, bent, between, farther, forget, furthest, may_be, move_by, shift, terms,
+    Kept, Landed, Sums, at_least, bent, between, farther, forget, furthest, may_be, move_by, shift, terms,
 };
 use crate::run::ensemble::linked_row::{Course, PIVOT};
 use crate::run::ensemble::linked_stand::{Departs, Pulls, Stand};
@@ -190,9 +190,9 @@ impl<'a, const W: usize> Desk<'a, W> {
     /// [collocate](crate::systems::linked).
     #[inline(always)]
     fn stay(&mut self) {
-        let Self { stand: Stand { course, numbers, .. }, seeking, .. } = self;
+        let Self { stand: Stand { course, numbers, pace, .. }, seeking, .. } = self;
         let Course { plan, links, over, set, .. } = *course;
-        let Places { q, g, gradient, .. } = plan.places;
+        let (Places { q, way, g, gradient, .. }, h) = (plan.places, pace.h());
         links.gradients(plan, set, q, numbers);
         plan.lift(over, numbers);
         *seeking = [ARRIVED; W];
@@ -202,6 +202,7 @@ impl<'a, const W: usize> Desk<'a, W> {
                 let (mut square, mut along, mut most) = (zeros::<W>(), zeros::<W>(), zeros::<W>());
                 for &[entry, c] in &plan.of_row[i] {
                     terms(&numbers[gradient + entry], &numbers[q + c], &mut square, &mut along, &mut most);
+                    at_least(h, &numbers[way + c], &mut most); // the place is the sum of this and of the one before
                 }
                 farther(&numbers[g + i], [&square, &along, &most], &mut far, &mut size);
             }

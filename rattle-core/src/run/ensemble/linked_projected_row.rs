@@ -160,6 +160,14 @@ pub(super) fn terms<const W: usize>(
     }
 }
 
+/// Notes that something is rounded as so many times these numbers at least.
+#[inline(always)]
+pub(super) fn at_least<const W: usize>(times: Number, of: &Numbers<W>, most: &mut Numbers<W>) {
+    for l in 0..W {
+        most.0[l] = most.0[l].max((times * of.0[l]).abs());
+    }
+}
+
 /// How far from its constraint an equation is, and how many roundings of places that is, if no other is farther.
 #[inline(always)]
 pub(super) fn furthest<const W: usize>(

@@ -39,7 +39,8 @@
 //! fused multiply-add (see [`InstructionSet::fuses`]). One exception: near other sheets of a surface, where a
 //! long step of `Dop853`, `Taylor` or a Lobatto method or a strong force in Brownian motion looks as if they were near,
 //! and where a flow ends a trajectory, some steps are made by the trajectory alone. Which these are depends on the
-//! division into calls, and with it last bits do; where inner steps follow from a tolerance, digits below that.
+//! division into calls and on the steps after which the ensemble is shown, and with it last bits do; where inner steps
+//! follow from a tolerance, digits below that.
 //!
 //! **Lanes and simulations agree to rounding,** not bit for bit. In lanes the position equation is solved by Newton's
 //! method from multipliers extrapolated from the last steps, whatever [`guess`](crate::methods::rattle::Rattle::guess)

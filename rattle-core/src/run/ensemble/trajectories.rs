@@ -330,7 +330,10 @@ impl<const D: usize> Ensemble<D> {
         let taken = self.steps;
         let start = |(group, observer): (&mut Box<dyn Group<D>>, _)| {
             let now = Seen::new(taken, group.len(), group.bodies(), |page| group.look(page));
-            Watching::new(observer, now, every, steps / every)
+            // A part of a group has as many pages as a whole one, since lanes are asked where they are once for all
+            // pages.
+            let numbers = now.numbers() / group.len().max(1) * group.moving().len();
+            Watching::new(observer, now, numbers, every, steps / every)
         };
         let mut watching: Vec<_> = self.groups.par_iter_mut().zip(observers).map(start).collect();
         let mut left = steps;

@@ -44,16 +44,17 @@ const MOST_PAGES: usize = 8;
 const AT_HAND: usize = 1 << 13;
 
 impl<'a, const D: usize> Watching<'a, D> {
-    /// From the steps on after which the group is as on this page; it is to be shown so many times, after each `every`
-    /// steps.
+    /// From the steps on after which the group is as on this page, where a whole group has so many numbers on it; it is
+    /// to be shown so many times, after each `every` steps.
     pub(super) fn new(
         observer: &'a mut (dyn AnyObserver<D> + Send),
         now: Seen<D>,
+        numbers: usize,
         every: u64,
         times: u64,
     ) -> Self {
         let most = usize::try_from(times).map_or(MOST_PAGES, |times| times.clamp(1, MOST_PAGES));
-        let pages = (AT_HAND / now.numbers().max(1)).clamp(1, most);
+        let pages = (AT_HAND / numbers.max(1)).clamp(1, most);
         let next = now.steps.saturating_add(every);
         Self { observer, before: now.clone(), pages: vec![now; pages], next }
     }
