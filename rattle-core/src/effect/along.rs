@@ -18,9 +18,10 @@ use crate::effect::interval::Interval;
 use crate::effect::moment::Moment;
 use crate::effect::neighbours::Neighbours;
 use crate::effect::one::{Acting, Effect};
-use crate::error::{EffectMistake, Error, refuse_nan};
+use crate::error::{EffectMistake, Error};
 use crate::kernel::cut_off::CutOff;
 use crate::kernel::functions::{Constraint, ConstraintKernel, PairKernel, PairPotential};
+use crate::kernel::over::refuse_nan_in;
 use crate::kernel::rounding::{allowed, sizes};
 use crate::kernel::space::Space;
 use crate::kernel::within::{Along, Within};
@@ -64,7 +65,7 @@ impl<P: PairPotential, C: Constraint<D, 1>, B: Space<D>, const D: usize> Effect<
     }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
-        refuse_nan(what, self.surface.nan_parameter())?;
+        refuse_nan_in::<C>(self.surface.nan_parameter())?;
         check_within(&self.within, FARTHER, what, bodies)
     }
 }

@@ -42,7 +42,8 @@ use std::array::from_fn;
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearDrag<const D: usize> {
     along: [f64; D],
-    of_bodies: Vec<f64>,
+    /// A factor for each body; without, 1.
+    of_bodies: Option<Vec<f64>>,
 }
 
 impl<const D: usize> LinearDrag<D> {
@@ -68,22 +69,27 @@ impl<const D: usize> LinearDrag<D> {
     /// ```
     #[must_use]
     pub fn along(coefficients: [f64; D]) -> Self {
-        Self { along: coefficients, of_bodies: Vec::new() }
+        Self { along: coefficients, of_bodies: None }
     }
 
     /// The same drag, times a factor for each body.
     #[must_use]
     pub fn times(mut self, factors: impl IntoIterator<Item = f64>) -> Self {
-        self.of_bodies = factors.into_iter().collect();
+        self.of_bodies = Some(factors.into_iter().collect());
         self
+    }
+
+    /// The coefficients of a body.
+    fn of(&self, body: usize) -> [f64; D] {
+        let factor = self.of_bodies.as_ref().map_or(1.0, |factors| factors[body]);
+        self.along.map(|c| c * factor)
     }
 }
 
 impl<const D: usize> Flow<D> for LinearDrag<D> {
     fn flow<T: Real>(&self, during: &Interval<'_, T, D>, changes: &mut [[T; D]]) {
         for (body, (change, p)) in changes.iter_mut().zip(during.momenta).enumerate() {
-            let factor = self.of_bodies.get(body).copied().unwrap_or(1.0);
-            let c = self.along.map(|c| c * factor);
+            let c = self.of(body);
             *change = match diagonal(during.inertia, body) {
                 Some(inverse) => from_fn(|i| {
                     each_lane(T::from_f64(c[i]) * inverse[i], |rate| (-during.h * rate).exp_m1()) * p[i]
@@ -96,15 +102,14 @@ impl<const D: usize> Flow<D> for LinearDrag<D> {
     }
 
     fn linear(&self, h: f64, body: usize, inertia: &dyn Inertia<f64, D>) -> Option<[[f64; D]; D]> {
-        let factor = self.of_bodies.get(body).copied().unwrap_or(1.0);
-        let inverse = diagonal(inertia, body)?;
-        let lost = |i: usize| (-h * (self.along[i] * factor * inverse[i])).exp_m1();
+        let (c, inverse) = (self.of(body), diagonal(inertia, body)?);
+        let lost = |i: usize| (-h * (c[i] * inverse[i])).exp_m1();
         Some(from_fn(|i| from_fn(|k| if i == k { lost(i) } else { 0.0 })))
     }
 
     fn check(&self, bodies: usize) -> Result<(), EffectMistake> {
-        EffectMistake::unless_listed(self.of_bodies.len(), bodies)?;
-        let numbers = self.along.iter().chain(&self.of_bodies);
+        EffectMistake::unless_for_each(self.of_bodies.as_deref(), bodies)?;
+        let numbers = self.along.iter().chain(self.of_bodies.iter().flatten());
         numbers.copied().try_for_each(|c| EffectMistake::unless_positive_or_zero("a coefficient of drag", c))
     }
 }

@@ -47,14 +47,15 @@ use std::array::from_fn;
 #[derive(Debug, Clone, PartialEq)]
 pub struct MagneticField {
     field: [f64; 3],
-    charges: Vec<f64>,
+    /// Of each body; without, 1.
+    charges: Option<Vec<f64>>,
 }
 
 impl MagneticField {
     /// The field B, for bodies of charge 1.
     #[must_use]
     pub fn new(field: [f64; 3]) -> Self {
-        Self { field, charges: Vec::new() }
+        Self { field, charges: None }
     }
 
     /// The same for bodies of these charges.
@@ -74,13 +75,13 @@ impl MagneticField {
     /// ```
     #[must_use]
     pub fn charges(mut self, charges: impl IntoIterator<Item = f64>) -> Self {
-        self.charges = charges.into_iter().collect();
+        self.charges = Some(charges.into_iter().collect());
         self
     }
 
     /// h e B of a body.
     fn turn<T: Real>(&self, h: f64, body: usize) -> [T; 3] {
-        let charge = self.charges.get(body).copied().unwrap_or(1.0);
+        let charge = self.charges.as_ref().map_or(1.0, |charges| charges[body]);
         self.field.map(|b| T::from_f64(h * charge * b))
     }
 
@@ -97,9 +98,9 @@ impl MagneticField {
     }
 
     fn look(&self, bodies: usize) -> Result<(), EffectMistake> {
-        EffectMistake::unless_listed(self.charges.len(), bodies)?;
+        EffectMistake::unless_for_each(self.charges.as_deref(), bodies)?;
         self.field.iter().try_for_each(|&b| EffectMistake::unless_finite("a component of the field", b))?;
-        self.charges.iter().try_for_each(|&e| EffectMistake::unless_finite("a charge", e))
+        self.charges.iter().flatten().try_for_each(|&e| EffectMistake::unless_finite("a charge", e))
     }
 }
 

@@ -56,7 +56,8 @@ pub struct SelfPropulsion<const D: usize> {
     force: f64,
     turning: f64,
     seed: u64,
-    headings: Vec<[f64; D]>,
+    /// Of each body; without, they are drawn.
+    headings: Option<Vec<[f64; D]>>,
 }
 
 impl<const D: usize> SelfPropulsion<D> {
@@ -64,14 +65,14 @@ impl<const D: usize> SelfPropulsion<D> {
     /// the seed of the random numbers.
     #[must_use]
     pub fn new(force: f64, turning: f64, seed: u64) -> Self {
-        Self { force, turning, seed, headings: Vec::new() }
+        Self { force, turning, seed, headings: None }
     }
 
     /// The same with these headings at the start, one for each body; a state that is read from a simulation has its
     /// own. Each is projected onto the tangent plane and scaled to length 1.
     #[must_use]
     pub fn headed(mut self, headings: impl IntoIterator<Item = [f64; D]>) -> Self {
-        self.headings = headings.into_iter().collect();
+        self.headings = Some(headings.into_iter().collect());
         self
     }
 
@@ -83,8 +84,8 @@ impl<const D: usize> SelfPropulsion<D> {
     fn look(&self, bodies: usize) -> Result<(), EffectMistake> {
         EffectMistake::unless_positive_or_zero("force", self.force)?;
         EffectMistake::unless_positive_or_zero("rotational diffusion", self.turning)?;
-        EffectMistake::unless_listed(self.headings.len(), bodies)?;
-        let mut numbers = self.headings.as_flattened().iter();
+        EffectMistake::unless_for_each(self.headings.as_deref(), bodies)?;
+        let mut numbers = self.headings.iter().flatten().flatten();
         numbers.try_for_each(|&x| EffectMistake::unless_finite("a component of a heading", x))
     }
 }
@@ -139,8 +140,8 @@ impl<T: Real, const D: usize> Acting<T, D> for ActsBySelf<D> {
         }
         for (body, mark) in marks.chunks_exact_mut(2 * D).enumerate() {
             let normal = normal(during, body);
-            let given = match self.0.headings.get(body) {
-                Some(heading) => *heading,
+            let given = match &self.0.headings {
+                Some(headings) => headings[body],
                 None => Noise { place: FIRST, ..during.noise }.normal(self.0.seed, body),
             };
             let heading = given.map(|x| T::from_f64(x));

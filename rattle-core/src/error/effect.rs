@@ -121,12 +121,13 @@ impl EffectMistake {
         if fine { Ok(()) } else { Err(Self::Parameter { name, range: "positive and finite", value }) }
     }
 
-    /// Checks that a list is empty, or has one number for each body.
+    /// Checks that a list, if there is one, has an entry for each body.
     ///
     /// # Errors
     /// [`EffectMistake::Count`].
-    pub fn unless_listed(listed: usize, bodies: usize) -> Result<(), Self> {
-        if listed == 0 || listed == bodies { Ok(()) } else { Err(Self::Count { listed, bodies }) }
+    pub fn unless_for_each<T>(list: Option<&[T]>, bodies: usize) -> Result<(), Self> {
+        let listed = list.map_or(bodies, <[T]>::len);
+        if listed == bodies { Ok(()) } else { Err(Self::Count { listed, bodies }) }
     }
 
     /// Checks that a parameter is finite.

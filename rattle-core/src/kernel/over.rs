@@ -80,9 +80,10 @@ pub(crate) fn refuse_nan_in<P>(parameter: Option<&'static str>) -> Result<(), Er
 
 /// The name of what stands in such wrappers. Not generic, so that it is compiled once.
 fn innermost(mut name: &'static str) -> &'static str {
-    for wrapper in
-        ["over::Over<", "kinds::Kinds<", "within::Along<", "within::AlongGeodesics<", "within::Within<"]
-    {
+    for wrapper in [
+        "over::Over<", "counted::Counted<", "kinds::Kinds<", "within::Along<", "within::AlongGeodesics<",
+        "within::Within<",
+    ] {
         name = name.split_once(wrapper).map_or(name, |(_, potential)| potential);
     }
     let name = name.split(['<', ',', '>']).next().unwrap_or(name);
@@ -92,6 +93,7 @@ fn innermost(mut name: &'static str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::counted::Counted;
     use crate::kernel::kinds::Kinds;
     use crate::kernel::space::Periodic;
     use crate::kernel::within::{Along, AlongGeodesics, Within};
@@ -108,5 +110,6 @@ mod tests {
         assert_eq!(short_name::<Along<Pull, Between<Pull>>>(), "Pull");
         assert_eq!(short_name::<AlongGeodesics<Pull, Between<Pull>>>(), "Pull");
         assert_eq!(short_name::<Over<Pull, 2>>(), "Pull");
+        assert_eq!(short_name::<Within<Counted<Between<Pull>>>>(), "Between");
     }
 }

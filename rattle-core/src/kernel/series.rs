@@ -22,7 +22,7 @@ use crate::number::real::Real;
 
 /// What messages call functions without series.
 pub(crate) const NO_SERIES: &str = "functions without power series (potentials that depend on time, more than 2000 \
-     operations, or not written by a macro)";
+     operations, or not written by a macro; pair potentials with a cut-off, by kinds or along a surface)";
 
 /// How many blocks so many products take.
 pub(crate) const fn blocks(products: usize) -> usize {

@@ -26,10 +26,10 @@ use crate::kernel::space::{Open, Periodic};
 /// at the reach or before, with its slope, as `Wca` does, gets no switch and is not changed.
 ///
 /// **The cost of a step** is proportional to the number of near pairs. Their list is made before the first step, with
-/// memory for half as many more; steps do not allocate unless bodies crowd beyond that. Where more than a fourth of all
-/// pairs are near, there is no list. Forces are summed over partners in the order of their numbers, so they are bit for
-/// bit those of a loop over all pairs, whatever the skin. Positions that are not finite give forces of NaN. Evaluating
-/// the energy makes a list of its own, and allocates. There are no power series, so `Taylor` is refused.
+/// memory for a third as many more; steps do not allocate unless bodies crowd beyond that. Where more than a fourth of
+/// all pairs are near, there is no list. Forces are summed over partners in the order of their numbers, so they are bit
+/// for bit those of a loop over all pairs, whatever the skin. Positions that are not finite give forces of NaN.
+/// Evaluating the energy makes a list of its own, and allocates. There are no power series, so `Taylor` is refused.
 #[doc(alias = "cutoff")]
 #[doc(alias = "cut-off")]
 #[doc(alias = "neighbour list")]
