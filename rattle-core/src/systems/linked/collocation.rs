@@ -21,7 +21,7 @@ use crate::effect::moment::Moment;
 use crate::error::{LinkedFailure, MethodFailure};
 use crate::kernel::rounding::SHIFTS;
 use crate::motion::bodies::Count;
-use crate::motion::capability::Rates;
+use crate::motion::capability::{Collocation, Rates};
 use crate::motion::failure::Failure;
 use crate::motion::system::System;
 use crate::motion::table::Table;
@@ -29,7 +29,7 @@ use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::solve::aim::noise_of_terms;
 use crate::solve::stop::{LAST_OF_STAGES, NOISE, OFF_AT_END, Stalling};
-use crate::systems::linked::kept::{BodiesOf, Furthest, Linked, Tied, along};
+use crate::systems::linked::kept::{BodiesOf, Furthest, Kept, Linked, Tied, along};
 use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
 use crate::systems::network::solver::CLEARLY;
@@ -48,9 +48,13 @@ const SETTLED: usize = 12;
 /// stay.
 const LOST: usize = 3 * Stalling::MOVES - 1;
 
-impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
-    /// One step of the collocation method with this table.
-    pub(super) fn collocate<W: Witness<f64>, const S: usize>(
+impl<F: Forces<f64, D>, N: Count, const D: usize> Collocation<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
+    fn reserve(&self, bodies: &mut BodiesOf<F, N, D>, stages: usize) {
+        let room = || Box::new(Stages::new(stages, self.count.number(), &self.shape, &self.effects));
+        bodies.kept.stages = (stages > 0).then(room);
+    }
+
+    fn collocate<W: Witness<f64>, const S: usize>(
         &self,
         table: &Table<S>,
         h: f64,
@@ -97,7 +101,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         let last = h * table.weights[S - 1];
         self.settle(last, 2.0 * last, bodies, witness)
     }
+}
 
+impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     /// Whether the equations hold at the end of the step, whose gradients were just evaluated: what dependent equations
     /// ask for beyond what the normals of the start can give moves nothing, and is not seen by the iteration.
     fn check_residuals(&self, c: usize, h: f64, bodies: &mut BodiesOf<F, N, D>) -> Result<(), Failure> {

@@ -14,6 +14,7 @@ use crate::effect::list::Forces;
 use crate::kernel::recurrences::Recurrences;
 use crate::kernel::series::{AnyOrder, Products, blocks, unit_near};
 use crate::motion::bodies::Count;
+use crate::motion::capability::Series;
 use crate::motion::witness::Witness;
 use crate::number::vector::{scaled, sum};
 use crate::systems::linked::kept::Tied;
@@ -23,41 +24,16 @@ use crate::systems::linked::room::SeriesRoom;
 use crate::systems::network::shape::Shape;
 use std::array::from_fn;
 
-impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
-    /// Blocks of products of all functions together; none where one has no series.
-    pub(super) fn series_blocks(&self) -> Option<usize> {
-        let shape = &*self.shape;
-        let runs = shape.components.iter().flat_map(|component| &component.rows.runs);
-        let links: Option<usize> =
-            runs.map(|run| shape.groups[run.group].series_blocks(run.members.clone())).sum();
-        Some(links? + self.effects.series_blocks(self.count.number())?)
+impl<F: Forces<f64, D>, N: Count, const D: usize> Series<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
+    fn reserve_series(&self, bodies: &mut BodiesOf<F, N, D>, orders: usize, h: f64) {
+        bodies.kept.series = Some(self.room_for_series(orders, h));
     }
 
-    /// The products of λ with n and of n with v for each block, then of λ with r for each row.
-    fn own_blocks(&self) -> usize {
-        blocks(2 * D * self.shape.blocks + self.shape.equations)
+    fn unit(&self, bodies: &BodiesOf<F, N, D>) -> f64 {
+        bodies.kept.series.as_ref().map_or(1.0, |room| room.unit)
     }
 
-    /// Room for so many coefficients of functions that all have series.
-    pub(super) fn room_for_series(&self, orders: usize, h: f64) -> Box<SeriesRoom<D>> {
-        let (shape, n) = (&*self.shape, self.count.number());
-        Box::new(SeriesRoom {
-            unit: unit_near(h),
-            products: Products::new(self.series_blocks().unwrap_or(0) + self.own_blocks(), orders),
-            normals: vec![[0.0; D]; shape.blocks],
-            acting: vec![[0.0; D]; shape.blocks],
-            rates: vec![0.0; shape.equations],
-            force: vec![[0.0; D]; n],
-            pull: vec![[0.0; D]; n],
-            push: vec![[0.0; D]; n],
-            velocity: vec![[0.0; D]; n],
-            lambda: vec![0.0; shape.equations],
-            work: vec![0.0; orders],
-        })
-    }
-
-    /// Writes q₀, q₁, … of all bodies in turn, as many as `series` has room for.
-    pub(super) fn expand_motion<W: Witness<f64>>(
+    fn expand<W: Witness<f64>>(
         &self,
         bodies: &mut BodiesOf<F, N, D>,
         series: &mut [[f64; D]],
@@ -154,6 +130,46 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 self.effects.contribute_series(&series[now], force, order);
             }
         }
+    }
+
+    fn expanded_work(&self, bodies: &BodiesOf<F, N, D>, h: f64) -> f64 {
+        let step = h / self.unit(bodies);
+        let work = bodies.kept.series.iter().flat_map(|room| room.work.iter().rev());
+        work.fold(0.0, |sum, coefficient| coefficient + step * sum)
+    }
+}
+
+impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+    /// Blocks of products of all functions together; none where one has no series.
+    pub(super) fn series_blocks(&self) -> Option<usize> {
+        let shape = &*self.shape;
+        let runs = shape.components.iter().flat_map(|component| &component.rows.runs);
+        let links: Option<usize> =
+            runs.map(|run| shape.groups[run.group].series_blocks(run.members.clone())).sum();
+        Some(links? + self.effects.series_blocks(self.count.number())?)
+    }
+
+    /// The products of λ with n and of n with v for each block, then of λ with r for each row.
+    fn own_blocks(&self) -> usize {
+        blocks(2 * D * self.shape.blocks + self.shape.equations)
+    }
+
+    /// Room for so many coefficients of functions that all have series.
+    fn room_for_series(&self, orders: usize, h: f64) -> Box<SeriesRoom<D>> {
+        let (shape, n) = (&*self.shape, self.count.number());
+        Box::new(SeriesRoom {
+            unit: unit_near(h),
+            products: Products::new(self.series_blocks().unwrap_or(0) + self.own_blocks(), orders),
+            normals: vec![[0.0; D]; shape.blocks],
+            acting: vec![[0.0; D]; shape.blocks],
+            rates: vec![0.0; shape.equations],
+            force: vec![[0.0; D]; n],
+            pull: vec![[0.0; D]; n],
+            push: vec![[0.0; D]; n],
+            velocity: vec![[0.0; D]; n],
+            lambda: vec![0.0; shape.equations],
+            work: vec![0.0; orders],
+        })
     }
 }
 

@@ -8,7 +8,6 @@ use crate::error::{Error, RecordMistake, StepFailure};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::affected::Affected;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
-use crate::motion::capability::{Collocation, Series};
 use crate::motion::failure::Failure;
 use crate::motion::guarded::Guarded;
 use crate::motion::iteration::Iteration;
@@ -16,7 +15,6 @@ use crate::motion::measured::Measured;
 use crate::motion::parts::Parts;
 use crate::motion::record::{Reading, Record};
 use crate::motion::system::System;
-use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::add_scaled;
 use crate::solve::aim::{Aim, Pace};
@@ -24,7 +22,6 @@ use crate::solve::crowd::Asked;
 use crate::systems::linked::diagnosis::{gradient, kinked};
 use crate::systems::linked::kept::{BodiesOf, Counts, Kept, Linked, Tied, along};
 use crate::systems::linked::moving::Moving;
-use crate::systems::linked::room::Stages;
 use crate::systems::network::shape::Shape;
 
 /// The error of a checkpoint whose run had another linear algebra.
@@ -276,48 +273,5 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
                 self.evaluate_forces(bodies);
             }
         }
-    }
-}
-
-impl<F: Forces<f64, D>, N: Count, const D: usize> Collocation<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
-    fn reserve(&self, bodies: &mut BodiesOf<F, N, D>, stages: usize) {
-        let room = || Box::new(Stages::new(stages, self.count.number(), &self.shape, &self.effects));
-        bodies.kept.stages = (stages > 0).then(room);
-    }
-
-    fn collocate<W: Witness<f64>, const S: usize>(
-        &self,
-        table: &Table<S>,
-        h: f64,
-        bodies: &mut BodiesOf<F, N, D>,
-        memory: &mut [f64],
-        witness: &mut W,
-    ) -> Result<(), Failure> {
-        self.collocate(table, h, bodies, memory, witness)
-    }
-}
-
-impl<F: Forces<f64, D>, N: Count, const D: usize> Series<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
-    fn reserve_series(&self, bodies: &mut BodiesOf<F, N, D>, orders: usize, h: f64) {
-        bodies.kept.series = Some(self.room_for_series(orders, h));
-    }
-
-    fn unit(&self, bodies: &BodiesOf<F, N, D>) -> f64 {
-        bodies.kept.series.as_ref().map_or(1.0, |room| room.unit)
-    }
-
-    fn expand<W: Witness<f64>>(
-        &self,
-        bodies: &mut BodiesOf<F, N, D>,
-        series: &mut [[f64; D]],
-        witness: &mut W,
-    ) {
-        self.expand_motion(bodies, series, witness);
-    }
-
-    fn expanded_work(&self, bodies: &BodiesOf<F, N, D>, h: f64) -> f64 {
-        let step = h / self.unit(bodies);
-        let work = bodies.kept.series.iter().flat_map(|room| room.work.iter().rev());
-        work.fold(0.0, |sum, coefficient| coefficient + step * sum)
     }
 }

@@ -9,25 +9,27 @@
 use crate::effect::list::Forces;
 use crate::kernel::series::{Order, Products, blocks, unit_near};
 use crate::motion::bodies::Count;
+use crate::motion::capability::Series;
+use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, scaled};
-use crate::systems::rigid::kept::{BodiesOf, Turning};
+use crate::systems::rigid::body::spread;
+use crate::systems::rigid::kept::{BodiesOf, Kept, Turning};
 use crate::systems::rigid::room::SeriesRoom;
 use std::array::from_fn;
 
 /// Six cross products of six products each, and the three of two components of Ω.
 const BLOCKS: usize = blocks(6 * 6 + 3);
 
-impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
-    /// Room for so many coefficients of functions that all have series.
-    pub(super) fn room_for_series(&self, orders: usize, h: f64) -> Box<SeriesRoom> {
-        let n = self.count.number();
-        let products = Products::new(n * BLOCKS + self.effects.series_blocks(n).unwrap_or(0), orders);
-        let (force, m) = (vec![[0.0; 9]; n], vec![[0.0; 3]; n * orders]);
-        Box::new(SeriesRoom { products, force, m, unit: unit_near(h) })
+impl<F: Forces<f64, 9>, N: Count> Series<N, Kept<F>, f64, 9> for Turning<F, N> {
+    fn reserve_series(&self, bodies: &mut BodiesOf<F, N>, orders: usize, h: f64) {
+        bodies.kept.series = Some(self.room_for_series(orders, h));
     }
 
-    /// Writes Q₀, Q₁, … of all bodies in turn, as many as `series` has room for.
-    pub(super) fn expand_motion(&self, bodies: &mut BodiesOf<F, N>, series: &mut [[f64; 9]]) {
+    fn unit(&self, bodies: &BodiesOf<F, N>) -> f64 {
+        bodies.kept.series.as_ref().map_or(1.0, |room| room.unit)
+    }
+
+    fn expand<W: Witness<f64>>(&self, bodies: &mut BodiesOf<F, N>, series: &mut [[f64; 9]], _: &mut W) {
         let n = self.count.number();
         let orders = series.len() / n.max(1);
         let room = bodies.kept.series.get_or_insert_with(|| self.room_for_series(orders, 1.0));
@@ -40,6 +42,26 @@ impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
         for k in 1..orders.saturating_sub(1) {
             self.next_coefficients((k, *unit), &mut products.next(k), series, m, force);
         }
+    }
+
+    fn expanded_impulse(&self, bodies: &BodiesOf<F, N>, body: usize, h: f64) -> Option<[f64; 9]> {
+        let room = bodies.kept.series.as_ref()?;
+        Some(spread(&room.impulse(body, h).into()))
+    }
+
+    fn expanded_rate(&self, bodies: &BodiesOf<F, N>, body: usize, h: f64) -> Option<[f64; 9]> {
+        let room = bodies.kept.series.as_ref()?;
+        Some(spread(&room.rate(body, h).into()))
+    }
+}
+
+impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
+    /// Room for so many coefficients of functions that all have series.
+    fn room_for_series(&self, orders: usize, h: f64) -> Box<SeriesRoom> {
+        let n = self.count.number();
+        let products = Products::new(n * BLOCKS + self.effects.series_blocks(n).unwrap_or(0), orders);
+        let (force, m) = (vec![[0.0; 9]; n], vec![[0.0; 3]; n * orders]);
+        Box::new(SeriesRoom { products, force, m, unit: unit_near(h) })
     }
 
     fn next_coefficients<const FIRST: bool>(

@@ -8,7 +8,7 @@ use crate::error::{MethodFailure, StepFailure};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::affected::Affected;
 use crate::motion::bodies::{Bodies, Body, Count};
-use crate::motion::capability::{Never, Rates, Series};
+use crate::motion::capability::{Never, Rates};
 use crate::motion::failure::Failure;
 use crate::motion::guarded::Guarded;
 use crate::motion::iteration::Iteration;
@@ -252,29 +252,5 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
     fn mass_product(&self, _: usize, a: &[f64; 9], b: &[f64; 9]) -> f64 {
         let masses = self.body.column_masses();
         (0..9).map(|k| masses[k % 3] * a[k] * b[k]).sum()
-    }
-}
-
-impl<F: Forces<f64, 9>, N: Count> Series<N, Kept<F>, f64, 9> for Turning<F, N> {
-    fn reserve_series(&self, bodies: &mut BodiesOf<F, N>, orders: usize, h: f64) {
-        bodies.kept.series = Some(self.room_for_series(orders, h));
-    }
-
-    fn unit(&self, bodies: &BodiesOf<F, N>) -> f64 {
-        bodies.kept.series.as_ref().map_or(1.0, |room| room.unit)
-    }
-
-    fn expand<W: Witness<f64>>(&self, bodies: &mut BodiesOf<F, N>, series: &mut [[f64; 9]], _: &mut W) {
-        self.expand_motion(bodies, series);
-    }
-
-    fn expanded_impulse(&self, bodies: &BodiesOf<F, N>, body: usize, h: f64) -> Option<[f64; 9]> {
-        let room = bodies.kept.series.as_ref()?;
-        Some(spread(&room.impulse(body, h).into()))
-    }
-
-    fn expanded_rate(&self, bodies: &BodiesOf<F, N>, body: usize, h: f64) -> Option<[f64; 9]> {
-        let room = bodies.kept.series.as_ref()?;
-        Some(spread(&room.rate(body, h).into()))
     }
 }

@@ -21,6 +21,7 @@ use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::rounding::size_along;
 use crate::motion::bodies::Count;
+use crate::motion::capability::Collocation;
 use crate::motion::failure::Failure;
 use crate::motion::system::System;
 use crate::motion::table::Table;
@@ -32,7 +33,7 @@ use crate::solve::root::{STAGES_ALIKE, alike};
 use crate::solve::stop::{LAST_OF_STAGES, NOISE, Stalling};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::equation::{Equation, is_rounding};
-use crate::systems::surface::kept::{BodiesOf, OnSurface};
+use crate::systems::surface::kept::{BodiesOf, Kept, OnSurface};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::room::Stages;
 use crate::systems::surface::step::pull;
@@ -54,24 +55,27 @@ const NORMALS_MOVE: f64 = 1e9;
 /// smaller displacements, 60 of them, less than a tenth of a rounding is lost. Steps that are not long never have one.
 const FAR_OFF: f64 = 1e-3;
 
-impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
-    /// One step of the collocation method with this table.
-    #[inline(always)]
-    pub(super) fn collocate<T, W, const D: usize, const S: usize>(
+impl<T, K, F, N, L, const D: usize> Collocation<N, Kept<N, T, F, D>, T, D> for OnSurface<K, F, N, L>
+where
+    T: Scalar,
+    K: ConstraintKernel<T, D, 1>,
+    F: Forces<T, D>,
+    N: Count,
+    L: ConstraintKernel<Fused<f64>, D, 1>,
+{
+    fn reserve(&self, bodies: &mut BodiesOf<N, T, F, D>, stages: usize) {
+        bodies.kept.stages =
+            (stages > 0).then(|| Box::new(Stages::new(stages, self.count.number(), &self.effects)));
+    }
+
+    fn collocate<W: Witness<T>, const S: usize>(
         &self,
         table: &Table<S>,
         h: f64,
         bodies: &mut BodiesOf<N, T, F, D>,
         memory: &mut [T],
         witness: &mut W,
-    ) -> Result<(), Failure>
-    where
-        T: Scalar,
-        K: ConstraintKernel<T, D, 1>,
-        L: ConstraintKernel<Fused<f64>, D, 1>,
-        F: Forces<T, D>,
-        W: Witness<T>,
-    {
+    ) -> Result<(), Failure> {
         let n = self.count.number();
         let mut stages = match bodies.kept.stages.take() {
             Some(stages) if stages.q.len() == S * n => stages,
@@ -92,7 +96,9 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         let last = h * table.weights[S - 1];
         self.settle(last, 2.0 * last, bodies, witness)
     }
+}
 
+impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// Steps of RATTLE from node to node.
     #[cold]
     #[inline(never)]

@@ -12,40 +12,36 @@ use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::series::{Order, Products, blocks, unit_near};
 use crate::motion::bodies::Count;
+use crate::motion::capability::Series;
 use crate::motion::witness::Witness;
+use crate::number::lanes::Fused;
 use crate::number::real::{Real, Scalar};
 use crate::number::vector::{dot, scaled};
-use crate::systems::surface::kept::{BodiesOf, OnSurface};
+use crate::systems::surface::kept::{BodiesOf, Kept, OnSurface};
 use crate::systems::surface::room::SeriesRoom;
 
-impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
-    /// Room for so many coefficients of functions that all have series.
-    pub(super) fn room_for_series<T: Scalar, const D: usize>(
-        &self,
-        orders: usize,
-        h: f64,
-    ) -> Box<SeriesRoom<T, D>>
-    where
-        K: ConstraintKernel<T, D, 1>,
-        F: Forces<T, D>,
-    {
-        let n = self.count.number();
-        let of_forces = self.effects.series_blocks(n).unwrap_or(0);
-        Box::new(room(n * self.constraint.series().unwrap_or(0) + of_forces, n, orders, h))
+impl<T, K, F, N, L, const D: usize> Series<N, Kept<N, T, F, D>, T, D> for OnSurface<K, F, N, L>
+where
+    T: Scalar,
+    K: ConstraintKernel<T, D, 1>,
+    F: Forces<T, D>,
+    N: Count,
+    L: ConstraintKernel<Fused<f64>, D, 1>,
+{
+    fn reserve_series(&self, bodies: &mut BodiesOf<N, T, F, D>, orders: usize, h: f64) {
+        bodies.kept.series = Some(self.room_for_series(orders, h));
     }
 
-    /// Writes q₀, q₁, … of all bodies in turn, as many as `series` has room for.
-    pub(super) fn expand_motion<T, W, const D: usize>(
+    fn unit(&self, bodies: &BodiesOf<N, T, F, D>) -> f64 {
+        bodies.kept.series.as_ref().map_or(1.0, |room| room.unit)
+    }
+
+    fn expand<W: Witness<T>>(
         &self,
         bodies: &mut BodiesOf<N, T, F, D>,
         series: &mut [[T; D]],
         witness: &mut W,
-    ) where
-        T: Scalar,
-        K: ConstraintKernel<T, D, 1>,
-        F: Forces<T, D>,
-        W: Witness<T>,
-    {
+    ) {
         let n = self.count.number();
         if n == 0 {
             return;
@@ -60,6 +56,19 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         let tell = |body, lambda| witness.position_multiplier(body, lambda);
         let effects = Together(&self.effects);
         expand::<false, _, _, D>(&self.constraint, &effects, room, n, start, series, tell);
+    }
+}
+
+impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
+    /// Room for so many coefficients of functions that all have series.
+    fn room_for_series<T: Scalar, const D: usize>(&self, orders: usize, h: f64) -> Box<SeriesRoom<T, D>>
+    where
+        K: ConstraintKernel<T, D, 1>,
+        F: Forces<T, D>,
+    {
+        let n = self.count.number();
+        let of_forces = self.effects.series_blocks(n).unwrap_or(0);
+        Box::new(room(n * self.constraint.series().unwrap_or(0) + of_forces, n, orders, h))
     }
 }
 

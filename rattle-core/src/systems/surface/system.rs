@@ -13,7 +13,7 @@ use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::affected::Affected;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
-use crate::motion::capability::{Collocation, Rates, Series};
+use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
 use crate::motion::guarded::Guarded;
 use crate::motion::iteration::{Iteration, Kind};
@@ -22,7 +22,6 @@ use crate::motion::parts::Given;
 use crate::motion::parts::Parts;
 use crate::motion::record::{Reading, Record};
 use crate::motion::system::System;
-use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
 use crate::number::real::Scalar;
@@ -36,7 +35,6 @@ use crate::systems::surface::kept::Kept;
 use crate::systems::surface::kept::OnSurface;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::passage;
-use crate::systems::surface::room::Stages;
 use crate::systems::surface::step::drift;
 use crate::systems::surface::step::project;
 use crate::systems::surface::step::pull;
@@ -372,56 +370,5 @@ where
 
     fn mass_product(&self, _: usize, a: &[T; D], b: &[T; D]) -> T {
         dot(a, b)
-    }
-}
-
-impl<T, K, F, N, L, const D: usize> Collocation<N, Kept<N, T, F, D>, T, D> for OnSurface<K, F, N, L>
-where
-    T: Scalar,
-    K: ConstraintKernel<T, D, 1>,
-    F: Forces<T, D>,
-    N: Count,
-    L: ConstraintKernel<Fused<f64>, D, 1>,
-{
-    fn reserve(&self, bodies: &mut BodiesOf<N, T, F, D>, stages: usize) {
-        bodies.kept.stages =
-            (stages > 0).then(|| Box::new(Stages::new(stages, self.count.number(), &self.effects)));
-    }
-
-    fn collocate<W: Witness<T>, const S: usize>(
-        &self,
-        table: &Table<S>,
-        h: f64,
-        bodies: &mut BodiesOf<N, T, F, D>,
-        memory: &mut [T],
-        witness: &mut W,
-    ) -> Result<(), Failure> {
-        self.collocate(table, h, bodies, memory, witness)
-    }
-}
-
-impl<T, K, F, N, L, const D: usize> Series<N, Kept<N, T, F, D>, T, D> for OnSurface<K, F, N, L>
-where
-    T: Scalar,
-    K: ConstraintKernel<T, D, 1>,
-    F: Forces<T, D>,
-    N: Count,
-    L: ConstraintKernel<Fused<f64>, D, 1>,
-{
-    fn reserve_series(&self, bodies: &mut BodiesOf<N, T, F, D>, orders: usize, h: f64) {
-        bodies.kept.series = Some(self.room_for_series(orders, h));
-    }
-
-    fn unit(&self, bodies: &BodiesOf<N, T, F, D>) -> f64 {
-        bodies.kept.series.as_ref().map_or(1.0, |room| room.unit)
-    }
-
-    fn expand<W: Witness<T>>(
-        &self,
-        bodies: &mut BodiesOf<N, T, F, D>,
-        series: &mut [[T; D]],
-        witness: &mut W,
-    ) {
-        self.expand_motion(bodies, series, witness);
     }
 }
