@@ -36,7 +36,6 @@ use crate::systems::surface::equation::{Equation, is_rounding};
 use crate::systems::surface::kept::{BodiesOf, Kept, OnSurface};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::room::Stages;
-use crate::systems::surface::step::pull;
 use std::array::from_fn;
 
 /// Iterations after which a step is given up; six to ten suffice where there is a solution.
@@ -125,7 +124,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             }
             for body in 0..self.count.number() {
                 let at = body * S + stage;
-                (stages.lambda[at], stages.total[at]) = pull(&self.constraint, &ahead, body);
+                (stages.lambda[at], stages.total[at]) = ahead.pull(&self.constraint, body);
             }
         }
         Ok(())
@@ -143,7 +142,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         F: Forces<T, D>,
     {
         for body in 0..self.count.number() {
-            (stages.lambda[body * S], stages.total[body * S]) = pull(&self.constraint, bodies, body);
+            (stages.lambda[body * S], stages.total[body * S]) = bodies.pull(&self.constraint, body);
             stages.normal[body * S] = bodies.kept.normal.as_ref()[body].gradient;
         }
     }

@@ -27,7 +27,6 @@ use crate::systems::surface::equation::{Equation, is_rounding};
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::position::Departure;
-use crate::systems::surface::step::pull;
 use std::array::from_fn;
 
 /// Ways that are walked at most.
@@ -102,7 +101,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             })
         };
         is_off(&[T::from_f64(0.0); D]) && {
-            let (_, acceleration) = pull(&self.constraint, now, body);
+            let (_, acceleration) = now.pull(&self.constraint, body);
             let [square, rates] = [h * h, 2.0 * h].map(T::from_f64);
             is_off(&from_fn(|i| {
                 let of_cubic =

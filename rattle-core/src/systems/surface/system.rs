@@ -35,10 +35,6 @@ use crate::systems::surface::kept::Kept;
 use crate::systems::surface::kept::OnSurface;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::passage;
-use crate::systems::surface::step::drift;
-use crate::systems::surface::step::project;
-use crate::systems::surface::step::pull;
-use crate::systems::surface::step::settle;
 use crate::systems::surface::tiles::tiles_of;
 
 impl<T, K, F, N, L, const D: usize> Parts<T, D> for OnSurface<K, F, N, L>
@@ -295,7 +291,7 @@ where
         bodies.kept.pace.note(h);
         for body in 0..bodies.q.as_ref().len() {
             let lambda = guess.get(body).copied();
-            drift::<X, _, _, _, _, _, D>(kick, h, lambda, weights, &self.constraint, bodies, body, witness)?;
+            bodies.drift::<X, _, _>(kick, h, lambda, weights, &self.constraint, body, witness)?;
         }
         self.fuse_normals(bodies);
         self.pass(h, bodies);
@@ -324,7 +320,7 @@ where
             return settle(self, set, kick, h, bodies, witness);
         }
         for body in 0..bodies.q.as_ref().len() {
-            let finite = settle(kick, h, bodies, body, witness);
+            let finite = bodies.settle(kick, h, body, witness);
             if !finite {
                 let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
                 let normals = bodies.kept.normal.as_ref();
@@ -351,7 +347,7 @@ where
         witness: &mut W,
     ) -> T {
         for (body, rate) in rates.iter_mut().enumerate() {
-            let (lambda, pull) = pull(&self.constraint, bodies, body);
+            let (lambda, pull) = bodies.pull(&self.constraint, body);
             witness.position_multiplier(body, lambda);
             *rate = pull;
         }
@@ -361,7 +357,7 @@ where
     #[inline(always)]
     fn project(&self, h: f64, bodies: &mut BodiesOf<N, T, F, D>) -> Result<(), Failure> {
         for body in 0..bodies.q.as_ref().len() {
-            project(h, &self.constraint, bodies, body)?;
+            bodies.project(h, &self.constraint, body)?;
         }
         self.fuse_normals(bodies);
         self.evaluate_forces(bodies);

@@ -36,7 +36,7 @@ use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::in_lanes::{InEach, Number, Numbers, TileInLanes};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use crate::systems::surface::normal::Normal;
-use crate::systems::surface::step::{drift, is_finite};
+use crate::systems::surface::step::is_finite;
 use crate::systems::surface::tile::{Tile, fused, plain};
 use std::any::TypeId;
 use std::array::from_fn;
@@ -144,9 +144,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             while left != 0 {
                 let body = tile.start + left.trailing_zeros() as usize;
                 let nothing = [f64::NAN; 2]; // is known of steps before
-                drift::<Newton, _, _, _, _, _, D>(
-                    kick, h, None, nothing, &self.constraint, bodies, body, witness,
-                )?;
+                bodies.drift::<Newton, _, _>(kick, h, None, nothing, &self.constraint, body, witness)?;
                 bodies.kept.normal.as_mut()[body] = fused_normal(&self.in_lanes, &bodies.q.as_ref()[body]);
                 left &= left - 1;
             }
