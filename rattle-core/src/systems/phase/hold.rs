@@ -47,7 +47,7 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
         };
         let system = self.in_phase_space(count);
         for (body, state) in start.bodies.iter().enumerate() {
-            system.check(h, state).map_err(|cause| Error::Start { body, cause })?;
+            system.functions().check(h, state).map_err(|cause| Error::Start { body, cause })?;
         }
         Ok(system)
     }
@@ -62,7 +62,7 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
         let mut state = State { remembered: None, ..state.clone() };
         for (number, body) in state.bodies.iter_mut().enumerate() {
             let cause = |cause| Error::Start { body: number, cause };
-            let Point { q, p } = system.project(body).map_err(cause)?;
+            let Point { q, p } = system.functions().project(body).map_err(cause)?;
             *body = Body { q, p, q_low: [0.0; D], p_low: [0.0; D] };
         }
         Ok(state)

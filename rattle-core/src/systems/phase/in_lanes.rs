@@ -28,7 +28,7 @@ impl<K, H, N: Count, const M: usize> InPhaseSpace<K, H, N, M> {
         K: PhaseConstraintKernel<f64, D, M>,
         H: HamiltonianKernel<f64, D>,
     {
-        let slopes = self.hidden(&Point::high(body)).slopes;
+        let slopes = self.functions().hidden(&Point::high(body)).slopes;
         Lone { body: *body, slopes, aims: [Aim::unknown(); M] }
     }
 

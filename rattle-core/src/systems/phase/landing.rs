@@ -15,7 +15,7 @@ use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, Part, SHORT_PATH,
 use crate::systems::phase::fibre::Slides;
 use crate::systems::phase::kept::OfBody;
 use crate::systems::phase::point::{Level, Point, Verlet};
-use crate::systems::phase::step::{Look, NOISE, TURN, not_finite, solve_along, too_far, turn};
+use crate::systems::phase::step::{Functions, Look, NOISE, TURN, not_finite, solve_along, too_far, turn};
 use std::array::from_fn;
 
 /// Slopes at a guess and where it leads differ by at most this part: that far from another sheet they differ by more in
@@ -24,8 +24,7 @@ pub(crate) const STEADY: f64 = 0.05;
 
 /// A step, as it departs.
 pub(super) struct Departure<'a, K, H, const D: usize, const M: usize> {
-    pub(super) constraint: &'a K,
-    pub(super) energy: &'a H,
+    pub(super) functions: Functions<'a, K, H, D, M>,
     pub(super) h: f64,
     pub(super) start: Point<D>,
     pub(super) low: Point<D>,
@@ -75,13 +74,13 @@ where
     /// After the share s of the step and a slide by σ.
     fn after(&self, s: f64, sigma: &[f64; M], slides: &mut Slides<D, M>) -> Result<There<D, M>, StepFailure> {
         let (h, start) = (s * self.h, &self.start);
-        let slid = slides.slide(self.constraint, start, sigma).ok_or_else(|| too_far(h))?;
+        let slid = slides.slide(self.functions.constraint, start, sigma).ok_or_else(|| too_far(h))?;
         let kicked = start.plus(&self.low.plus(&slid));
-        let step = Verlet::of(self.energy, h, &kicked);
+        let step = Verlet::of(self.functions.energy, h, &kicked);
         let step = step.ok_or_else(|| PhaseFailure::ImplicitStep { h, position: start.q.to_vec() })?;
         let change = slid.plus(&step.change);
         let at = start.plus(&self.low.plus(&change));
-        let level = Level::of(self.constraint, &at, &start.reach(&change));
+        let level = Level::of(self.functions.constraint, &at, &start.reach(&change));
         // H may have no value in coordinates that g does not depend on.
         let Point { q, p } = &step.change;
         if !level.value.iter().chain(q).chain(p).all(|x| x.is_finite()) {
@@ -105,9 +104,9 @@ where
             },
             |Look { rest: There { kicked, step, level, .. }, .. }| {
                 let mut there = [[0.0; M]; M];
-                let before = Level::of(self.constraint, kicked, kicked);
+                let before = Level::of(self.functions.constraint, kicked, kicked);
                 for j in 0..M {
-                    let v = step.tangent(self.energy, h, &before.fibre(j))?;
+                    let v = step.tangent(self.functions.energy, h, &before.fibre(j))?;
                     for i in 0..M {
                         there[i][j] = level.gradients[i].along(&v);
                     }

@@ -162,27 +162,36 @@ where
     Ok(())
 }
 
+/// g and H of one body.
+pub(super) struct Functions<'a, K, H, const D: usize, const M: usize> {
+    pub(super) constraint: &'a K,
+    pub(super) energy: &'a H,
+}
+
 impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
-    pub(super) fn hidden<const D: usize>(&self, at: &Point<D>) -> Hidden<D, M>
-    where
-        K: PhaseConstraintKernel<f64, D, M>,
-        H: HamiltonianKernel<f64, D>,
-    {
-        Hidden::of(&self.constraint, &self.energy, at, at)
+    #[inline(always)]
+    pub(super) fn functions<const D: usize>(&self) -> Functions<'_, K, H, D, M> {
+        Functions { constraint: &self.constraint, energy: &self.energy }
+    }
+}
+
+impl<K, H, const D: usize, const M: usize> Functions<'_, K, H, D, M>
+where
+    K: PhaseConstraintKernel<f64, D, M>,
+    H: HamiltonianKernel<f64, D>,
+{
+    pub(super) fn hidden(&self, at: &Point<D>) -> Hidden<D, M> {
+        Hidden::of(self.constraint, self.energy, at, at)
     }
 
     /// From the body's point along its fibre to where the hidden constraint holds; with the slide and N there. Fibres
     /// of equations that do not commute there have led off g = 0.
     #[allow(clippy::type_complexity, reason = "three numbers of one slide")]
-    pub(super) fn slide_to_hidden<const D: usize>(
+    pub(super) fn slide_to_hidden(
         &self,
         h: f64,
         body: &Body<f64, D>,
-    ) -> Result<([f64; M], Point<D>, [[f64; M]; M]), StepFailure>
-    where
-        K: PhaseConstraintKernel<f64, D, M>,
-        H: HamiltonianKernel<f64, D>,
-    {
+    ) -> Result<([f64; M], Point<D>, [[f64; M]; M]), StepFailure> {
         let (start, low) = (Point::high(body), Point::low(body));
         let mut slides = Slides::new();
         let look =
@@ -192,7 +201,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         if const { M > 1 } {
             let at = start.plus(&low.plus(&change));
             // A body that comes to rest has momenta of the rounding of what the step gave and took.
-            commute(&self.constraint, &level, &at, || self.reach_of_step(&start.reach(&change), &at, h))
+            commute(self.constraint, &level, &at, || self.reach_of_step(&start.reach(&change), &at, h))
                 .map_err(|clash| clash.at(&at, h))?;
         }
         Ok((sigma, change, slopes))
@@ -200,30 +209,22 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
 
     /// The hidden constraint after a slide, and what goes with it; none if that leads too far.
     #[inline(always)]
-    fn look_along<const D: usize>(
+    fn look_along(
         &self,
         start: &Point<D>,
         low: &Point<D>,
         sigma: &[f64; M],
         slides: &mut Slides<D, M>,
-    ) -> Option<Look<Hidden<D, M>, D, M>>
-    where
-        K: PhaseConstraintKernel<f64, D, M>,
-        H: HamiltonianKernel<f64, D>,
-    {
-        let change = slides.slide(&self.constraint, start, sigma)?;
+    ) -> Option<Look<Hidden<D, M>, D, M>> {
+        let change = slides.slide(self.constraint, start, sigma)?;
         let at = start.plus(&low.plus(&change));
-        let hidden = Hidden::of(&self.constraint, &self.energy, &at, &start.reach(&change));
+        let hidden = Hidden::of(self.constraint, self.energy, &at, &start.reach(&change));
         let Hidden { value, size, extent, .. } = hidden;
         Some(Look { change, value, size, extent, rest: hidden })
     }
 
     /// Whether a body can start here, in steps of h.
-    pub(super) fn check<const D: usize>(&self, h: f64, body: &Body<f64, D>) -> Result<(), StartFailure>
-    where
-        K: PhaseConstraintKernel<f64, D, M>,
-        H: HamiltonianKernel<f64, D>,
-    {
+    pub(super) fn check(&self, h: f64, body: &Body<f64, D>) -> Result<(), StartFailure> {
         finite("position", &body.q)?;
         finite("momentum", &body.p)?;
         let at = Point::high(body);
@@ -241,7 +242,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             let (value, share) = (level.value[equation], off * f64::EPSILON);
             return mistake(PhaseMistake::Off { equation, value, share, tolerance: START_TOLERANCE });
         }
-        commute(&self.constraint, level, &at, || reach).map_err(|clash| StartFailure::Phase(clash.into()))?;
+        commute(self.constraint, level, &at, || reach).map_err(|clash| StartFailure::Phase(clash.into()))?;
         if hidden.is_undetermined(&at) {
             let slopes = hidden.slopes.concat();
             return mistake(level.dependent(&at).unwrap_or(PhaseMistake::Undetermined { slopes }));
@@ -255,10 +256,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         Ok(())
     }
 
-    fn check_energy<const D: usize>(&self, at: &Point<D>) -> Result<(), StartFailure>
-    where
-        H: HamiltonianKernel<f64, D>,
-    {
+    fn check_energy(&self, at: &Point<D>) -> Result<(), StartFailure> {
         let (value, (by_q, by_p)) = (self.energy.value(&at.q, &at.p), self.energy.gradients(&at.q, &at.p));
         let gradient = [by_q, by_p].concat();
         if value.is_finite() && gradient.iter().all(|x| x.is_finite()) {
@@ -268,11 +266,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
     }
 
     /// The nearest point of g = 0, to first order, slid to the hidden constraint.
-    pub(super) fn project<const D: usize>(&self, body: &Body<f64, D>) -> Result<Point<D>, StartFailure>
-    where
-        K: PhaseConstraintKernel<f64, D, M>,
-        H: HamiltonianKernel<f64, D>,
-    {
+    pub(super) fn project(&self, body: &Body<f64, D>) -> Result<Point<D>, StartFailure> {
         finite("position", &body.q)?;
         finite("momentum", &body.p)?;
         let start = Point::high(body);
@@ -280,7 +274,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         let (mut at, mut distances, mut nearing) = (start, Vec::new(), Nearing::leaving(f64::INFINITY));
         let mut failure = None;
         for _ in 0..MAX_PROJECTION_STEPS {
-            let level = Level::of(&self.constraint, &at, &at);
+            let level = Level::of(self.constraint, &at, &at);
             let Level { value, gradients, size, .. } = level;
             let (_, roundings) = worst(&value, &size);
             if nearing.look(roundings, roundings <= 1.0, roundings <= NOISE).0 {
@@ -299,7 +293,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         }
         // Where gradients depend on each other, corrections may have led anywhere.
         let places = if failure.is_some() { vec![at] } else { vec![at, start] };
-        let dependent = places.iter().find_map(|at| Level::of(&self.constraint, at, at).dependent(at));
+        let dependent = places.iter().find_map(|at| Level::of(self.constraint, at, at).dependent(at));
         Err(match dependent.or(failure) {
             Some(mistake) => StartFailure::Phase(mistake),
             None => StartFailure::NoProjection { distances: distances.into_iter().collect() },
@@ -308,30 +302,18 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
 
     /// A point of g = 0 slid to the hidden constraint: once, which leaves the rounding of the way there, and from there
     /// again.
-    fn slide_start<const D: usize>(
-        &self,
-        level: &Level<D, M>,
-        at: &Point<D>,
-    ) -> Result<Point<D>, PhaseMistake>
-    where
-        K: PhaseConstraintKernel<f64, D, M>,
-        H: HamiltonianKernel<f64, D>,
-    {
-        commute(&self.constraint, level, at, || *at)?;
+    fn slide_start(&self, level: &Level<D, M>, at: &Point<D>) -> Result<Point<D>, PhaseMistake> {
+        commute(self.constraint, level, at, || *at)?;
         let change = self.slide_from_afar(at)?;
         let there = at.plus(&change);
-        let next = Level::of(&self.constraint, &there, &there);
-        commute(&self.constraint, &next, &there, || at.reach(&change))?;
+        let next = Level::of(self.constraint, &there, &there);
+        commute(self.constraint, &next, &there, || at.reach(&change))?;
         Ok(self.slide_from_afar(&there).map_or(there, |change| there.plus(&change)))
     }
 
     /// The change along the fibre to the hidden constraint, from however far: the largest {g, H} falls with each
     /// correction, or where it cannot, full corrections are tried.
-    fn slide_from_afar<const D: usize>(&self, start: &Point<D>) -> Result<Point<D>, PhaseMistake>
-    where
-        K: PhaseConstraintKernel<f64, D, M>,
-        H: HamiltonianKernel<f64, D>,
-    {
+    fn slide_from_afar(&self, start: &Point<D>) -> Result<Point<D>, PhaseMistake> {
         // Where H overflows, {g, H} may be zero by that alone.
         let finite = |change: &Point<D>| {
             let at = start.plus(change);
@@ -357,6 +339,29 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             }
         })
     }
+
+    /// Σ λᵢ (−∂gᵢ/∂p, ∂gᵢ/∂q).
+    pub(super) fn pull(&self, at: &Point<D>) -> Point<D> {
+        let level = Level::of(self.constraint, at, at);
+        let multipliers = self.hidden(at).multipliers().unwrap_or([f64::NAN; M]);
+        (0..M).fold(Point::ZERO, |sum, i| sum.plus(&level.fibre(i).times(multipliers[i])))
+    }
+
+    /// (q̇, ṗ) without constraint.
+    fn free(&self, at: &Point<D>) -> Point<D> {
+        let (by_q, by_p) = self.energy.gradients(&at.q, &at.p);
+        Point { q: by_p, p: by_q.map(|x| -x) }
+    }
+
+    /// This reach, or what a step of h from a point gives and takes, whichever is larger.
+    fn reach_of_step(&self, reach: &Point<D>, at: &Point<D>, h: f64) -> Point<D> {
+        reach.reach(&self.free(at).times(h))
+    }
+
+    /// (q̇, ṗ).
+    pub(super) fn flow(&self, at: &Point<D>) -> Point<D> {
+        self.free(at).plus(&self.pull(at))
+    }
 }
 
 /// A slide that leads out of the domain of g, or many times around.
@@ -372,45 +377,6 @@ pub(super) fn not_finite<const D: usize>(start: &Point<D>, change: &Point<D>) ->
         StepFailure::ConstraintNotFinite { position }
     } else {
         PhaseFailure::HamiltonianNotFinite { position, momentum }.into()
-    }
-}
-
-impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
-    /// Σ λᵢ (−∂gᵢ/∂p, ∂gᵢ/∂q).
-    pub(super) fn pull<const D: usize>(&self, at: &Point<D>) -> Point<D>
-    where
-        K: PhaseConstraintKernel<f64, D, M>,
-        H: HamiltonianKernel<f64, D>,
-    {
-        let level = Level::of(&self.constraint, at, at);
-        let multipliers = self.hidden(at).multipliers().unwrap_or([f64::NAN; M]);
-        (0..M).fold(Point::ZERO, |sum, i| sum.plus(&level.fibre(i).times(multipliers[i])))
-    }
-
-    /// (q̇, ṗ) without constraint.
-    fn free<const D: usize>(&self, at: &Point<D>) -> Point<D>
-    where
-        H: HamiltonianKernel<f64, D>,
-    {
-        let (by_q, by_p) = self.energy.gradients(&at.q, &at.p);
-        Point { q: by_p, p: by_q.map(|x| -x) }
-    }
-
-    /// This reach, or what a step of h from a point gives and takes, whichever is larger.
-    fn reach_of_step<const D: usize>(&self, reach: &Point<D>, at: &Point<D>, h: f64) -> Point<D>
-    where
-        H: HamiltonianKernel<f64, D>,
-    {
-        reach.reach(&self.free(at).times(h))
-    }
-
-    /// (q̇, ṗ).
-    pub(super) fn flow<const D: usize>(&self, at: &Point<D>) -> Point<D>
-    where
-        K: PhaseConstraintKernel<f64, D, M>,
-        H: HamiltonianKernel<f64, D>,
-    {
-        self.free(at).plus(&self.pull(at))
     }
 }
 

@@ -66,7 +66,7 @@ where
     fn refresh(&self, bodies: &mut BodiesOf<N, D, M>) {
         bodies.kept.pace = Pace::unknown();
         for number in 0..self.count.number() {
-            let slopes = self.hidden(&Point::high(&bodies.body(number))).slopes;
+            let slopes = self.functions().hidden(&Point::high(&bodies.body(number))).slopes;
             bodies.kept.bodies.as_mut()[number] = OfBody { slopes, aims: [Aim::unknown(); M] };
         }
     }
@@ -85,7 +85,7 @@ where
 
     /// q̇ = ∂H/∂p − (∂g/∂p)ᵀλ.
     fn velocity<X>(&self, bodies: &Bodies<N, f64, X, D>, body: usize) -> [f64; D] {
-        self.flow(&Point::high(&bodies.body(body))).q
+        self.functions().flow(&Point::high(&bodies.body(body))).q
     }
 }
 
@@ -113,7 +113,7 @@ where
 
     fn coast(&self, h: f64, bodies: &mut BodiesOf<N, D, M>) {
         for number in 0..self.count.number() {
-            let flow = self.flow(&Point::high(&bodies.body(number)));
+            let flow = self.functions().flow(&Point::high(&bodies.body(number)));
             move_by(bodies, number, &flow.times(h));
         }
         bodies.time += h;
@@ -145,7 +145,7 @@ where
     /// The hidden constraint {g, H}.
     fn drift_rates(&self, bodies: &BodiesOf<N, D, M>, rates: &mut [f64]) {
         for (rates, number) in rates.chunks_exact_mut(M.max(1)).zip(0..) {
-            rates.copy_from_slice(&self.hidden(&Point::high(&bodies.body(number))).value);
+            rates.copy_from_slice(&self.functions().hidden(&Point::high(&bodies.body(number))).value);
         }
     }
 
@@ -153,7 +153,7 @@ where
     fn constraint_forces(&self, bodies: &BodiesOf<N, D, M>, forces: &mut [[f64; D]]) {
         for (number, force) in forces.iter_mut().enumerate() {
             let at = Point::high(&bodies.body(number));
-            *force = self.pull(&at).p;
+            *force = self.functions().pull(&at).p;
         }
     }
 }
@@ -185,12 +185,11 @@ where
         for number in 0..self.count.number() {
             let body = bodies.body(number);
             let fail = |cause| Failure { body: number, cause };
-            let guess = self.hidden(&Point::high(&body)).multipliers();
+            let guess = self.functions().hidden(&Point::high(&body)).multipliers();
             let guess =
                 guess.ok_or_else(|| fail(PhaseFailure::Undetermined { change: f64::INFINITY, h }.into()))?;
             let departure = Departure {
-                constraint: &self.constraint,
-                energy: &self.energy,
+                functions: self.functions(),
                 h,
                 start: Point::high(&body),
                 low: Point::low(&body),
@@ -218,7 +217,8 @@ where
     ) -> Result<(), Failure> {
         for number in 0..self.count.number() {
             let fail = |cause| Failure { body: number, cause };
-            let (sigma, change, slopes) = self.slide_to_hidden(h, &bodies.body(number)).map_err(fail)?;
+            let (sigma, change, slopes) =
+                self.functions().slide_to_hidden(h, &bodies.body(number)).map_err(fail)?;
             let turned = turn(&bodies.kept.bodies.as_ref()[number].slopes, &slopes);
             if turned > TURN {
                 return Err(fail(PhaseFailure::Undetermined { change: turned, h }.into()));
@@ -234,14 +234,14 @@ where
 
     fn pushes(&self, bodies: &BodiesOf<N, D, M>, pushes: &mut [[f64; D]]) -> Result<(), &'static str> {
         for (number, push) in pushes.iter_mut().enumerate() {
-            *push = self.flow(&Point::high(&bodies.body(number))).p;
+            *push = self.functions().flow(&Point::high(&bodies.body(number))).p;
         }
         Ok(())
     }
 
     fn multipliers(&self, bodies: &BodiesOf<N, D, M>, multipliers: &mut [f64]) {
         for (multipliers, number) in multipliers.chunks_exact_mut(M.max(1)).zip(0..) {
-            let found = self.hidden(&Point::high(&bodies.body(number))).multipliers();
+            let found = self.functions().hidden(&Point::high(&bodies.body(number))).multipliers();
             multipliers.copy_from_slice(&found.unwrap_or([f64::NAN; M]));
         }
     }
