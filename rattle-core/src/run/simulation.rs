@@ -30,6 +30,7 @@ pub(crate) const MOST_HALVINGS: u32 = 16;
 /// simulation is as it was before the step, bit for bit.
 #[doc(alias = "integrator")]
 #[doc(alias = "solver")]
+#[derive(Clone)]
 pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
     pub(super) system: Y,
     pub(super) method: S,
@@ -57,21 +58,15 @@ pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
 }
 
 /// How often a step that cannot be taken is halved, and what takes it in parts: compiled for those who ask for it.
+#[derive(Clone)]
 pub(super) struct Halving<Y: System<f64, D>, S: Method, const D: usize> {
     pub(super) most: u32,
     #[allow(clippy::type_complexity, reason = "said once")]
     pub(super) take: fn(&mut Simulation<Y, S, D>, u32, &mut dyn Hears<f64>) -> Result<(), Trouble>,
 }
 
-impl<Y: System<f64, D>, S: Method, const D: usize> Copy for Halving<Y, S, D> {}
-
-impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Halving<Y, S, D> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
 /// What it takes to take a step back and go on as if it had not been.
+#[derive(Clone)]
 pub(super) struct Reversal<Y: System<f64, D>, S: Method, const D: usize> {
     /// What takes a step in so many parts back: compiled for those who ask for it.
     pub(super) take: fn(&mut Simulation<Y, S, D>, u32) -> Result<(), Trouble>,
@@ -81,13 +76,6 @@ pub(super) struct Reversal<Y: System<f64, D>, S: Method, const D: usize> {
     /// That of a method that has not made a step.
     pub(super) blank: S::Memory<f64>,
     pub(super) memory: S::Memory<f64>,
-}
-
-impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Reversal<Y, S, D> {
-    fn clone(&self) -> Self {
-        let (after, blank, memory) = (self.after.clone(), self.blank.clone(), self.memory.clone());
-        Self { backwards: self.backwards.clone(), after, blank, memory, ..*self }
-    }
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
@@ -537,22 +525,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     fn put_back(&mut self) {
         self.system.put_back(&mut self.bodies, &self.before);
         self.memory.as_mut().copy_from_slice(self.memory_before.as_ref());
-    }
-}
-
-impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Simulation<Y, S, D> {
-    fn clone(&self) -> Self {
-        Self {
-            system: self.system.clone(),
-            method: self.method.clone(),
-            bodies: self.bodies.clone(),
-            before: self.before.clone(),
-            memory: self.memory.clone(),
-            memory_before: self.memory_before.clone(),
-            reversal: self.reversal.clone(),
-            events: self.events.clone(),
-            ..*self
-        }
     }
 }
 

@@ -51,6 +51,7 @@ const MOST_PARTS: u32 = 1 << 16;
 const LOOKS_INSIDE: u32 = 12;
 
 /// What is looked for in each step, and the room to do so.
+#[derive(Clone)]
 pub(in crate::run) struct Events<Y: System<f64, D>, S: Method, const D: usize> {
     /// What takes a step apart: compiled for those who ask for it.
     #[allow(clippy::type_complexity, reason = "said once")]
@@ -313,13 +314,6 @@ impl<const D: usize> Search<D> {
             }
         }
         Ok(first)
-    }
-}
-
-impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Events<Y, S, D> {
-    fn clone(&self) -> Self {
-        let (start, aside) = (self.start.clone(), self.aside.clone());
-        Self { search: self.search.clone(), start, aside, ..*self }
     }
 }
 

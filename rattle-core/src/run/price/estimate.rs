@@ -258,7 +258,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             let memory = method.memory_within(view(method, system)?, bodies, self.memory.as_ref());
             simulation.memory = memory;
         }
-        simulation.halving = self.halving;
+        simulation.halving = self.halving.clone();
         simulation.meet_what(self);
         Ok(simulation)
     }
