@@ -95,7 +95,7 @@ pub(in crate::run) fn constraint_forces<Y: System<f64, D>, const D: usize>(
     vectors(&forces).collect()
 }
 
-/// Both.
+/// λ of each equation, and Gᵀλ on each body.
 pub(in crate::run) fn constraints<Y: System<f64, D>, const D: usize>(
     system: &Y,
     bodies: &BodiesOf<Y, f64, D>,

@@ -118,7 +118,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         Ok(system)
     }
 
-    /// The same for any method of this step, which wants momenta to be tangent or does not.
+    /// The system at a start, for steps of h; `tangent`: whether momenta have to be tangent.
     fn system_at(&self, start: &State<D>, h: f64, tangent: bool) -> Result<C::System<E, N>, Error> {
         if !start.time.is_finite() {
             return Err(Error::Time(start.time));

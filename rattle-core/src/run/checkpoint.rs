@@ -155,7 +155,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         to.within("kept", |to| self.system.record(bodies, to));
     }
 
-    /// The same simulation where another was.
+    /// A copy of this simulation in the state that a record holds.
     pub(in crate::run) fn recalled(&self, from: &mut Reading<'_>) -> Result<Self, Error> {
         let (places, time) = read_places(from, self.bodies())?;
         let looks = Looks::of(&places);
