@@ -4,11 +4,10 @@
 //! with it all that the function calls. So what is long, and generic in numbers and dimensions but in no type of a
 //! user's, is marked so, and each folder names its own here. A use of `Scene::ensemble` takes half as long to compile.
 
-use crate::motion;
 use crate::number::lanes::Fused;
 use crate::run::{self, ensemble};
-use crate::solve;
 use crate::systems::{linked, network, surface};
+use crate::{motion, solve};
 use std::hint::black_box;
 
 /// In the plane and in space. Unit tests have no users: with this constant they take twice as long to compile.

@@ -14,8 +14,7 @@
 //!
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, I.8.
 
-use crate::kernel::block::Block;
-use crate::kernel::block::WIDTH;
+use crate::kernel::block::{Block, WIDTH};
 use crate::kernel::recurrences::Recurrences;
 use crate::number::instructions::{InstructionSet, Work};
 use crate::number::real::Real;

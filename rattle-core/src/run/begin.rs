@@ -12,12 +12,10 @@ use crate::motion::failure::Failure;
 use crate::motion::hold::Hold;
 use crate::motion::identity::Identity;
 use crate::motion::method::{Method, check_step_size};
-use crate::motion::parts::BodiesOf;
-use crate::motion::parts::Parts;
+use crate::motion::parts::{BodiesOf, Parts};
 use crate::motion::state::State;
-use crate::motion::sticking;
-use crate::motion::stir;
 use crate::motion::system::System;
+use crate::motion::{sticking, stir};
 use crate::run::simulation::Simulation;
 use crate::scene::Scene;
 

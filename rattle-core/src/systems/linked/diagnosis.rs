@@ -7,20 +7,10 @@ use crate::kernel::kinks::Kink;
 use crate::motion::bodies::Count;
 use crate::motion::failure::Failure;
 use crate::number::vector::dot;
-use crate::systems::linked::flight::CLEAR;
-use crate::systems::linked::flight::Flight;
-use crate::systems::linked::flight::HALVINGS;
-use crate::systems::linked::flight::LITTLE_SHARE;
-use crate::systems::linked::flight::LOST;
-use crate::systems::linked::flight::Landing;
-use crate::systems::linked::flight::MUCH_SHORTER;
-use crate::systems::linked::flight::SHORT;
-use crate::systems::linked::flight::SOON;
-use crate::systems::linked::kept::BodiesOf;
-use crate::systems::linked::kept::Counts;
-use crate::systems::linked::kept::Linked;
-use crate::systems::linked::kept::Room;
-use crate::systems::linked::kept::Tied;
+use crate::systems::linked::flight::{
+    CLEAR, Flight, HALVINGS, LITTLE_SHARE, LOST, Landing, MUCH_SHORTER, SHORT, SOON,
+};
+use crate::systems::linked::kept::{BodiesOf, Counts, Linked, Room, Tied};
 use crate::systems::network::mass::Root;
 use crate::systems::network::orthogonal::BRANCHING;
 use crate::systems::network::shape::Shape;

@@ -11,8 +11,7 @@ use crate::motion::witness::Witness;
 use crate::number::vector::{largest, sum, two_sum};
 use crate::solve::nearing::Nearing;
 use crate::solve::stop::NOISE;
-use crate::systems::linked::kept::Tied;
-use crate::systems::linked::kept::{BodiesOf, Furthest, Kept, Linked};
+use crate::systems::linked::kept::{BodiesOf, Furthest, Kept, Linked, Tied};
 use crate::systems::linked::pull::Pull;
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> for Linked<F, N, D> {

@@ -10,8 +10,7 @@
 
 pub(crate) use crate::systems::network::algebra::LinearAlgebra;
 pub(crate) use crate::systems::network::mass::Mass;
-use crate::systems::network::shape::Component;
-use crate::systems::network::shape::Shape;
+use crate::systems::network::shape::{Component, Shape};
 
 use crate::systems::network::alike::{Alike, alone};
 pub(crate) use crate::systems::network::group::LinkGroup;

@@ -7,8 +7,7 @@ use crate::kernel::over::refuse_nan_in;
 use crate::motion::bodies::{Body, Count};
 use crate::motion::hold::{Hold, Kind, PhaseSpaces};
 use crate::motion::state::State;
-use crate::systems::phase::kept::InPhaseSpace;
-use crate::systems::phase::kept::PhaseSpace;
+use crate::systems::phase::kept::{InPhaseSpace, PhaseSpace};
 use crate::systems::phase::point::Point;
 
 impl<G, H, const M: usize> PhaseSpace<G, H, M> {

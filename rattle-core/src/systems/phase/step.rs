@@ -3,8 +3,7 @@
 use crate::error::{History, PhaseFailure, PhaseMistake, StartFailure, StepFailure};
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
 use crate::motion::bodies::{Bodies, Body, Count};
-use crate::motion::start::START_TOLERANCE;
-use crate::motion::start::{MAX_PROJECTION_STEPS, finite};
+use crate::motion::start::{MAX_PROJECTION_STEPS, START_TOLERANCE, finite};
 use crate::number::linear::solve;
 use crate::number::vector::{sum, two_sum};
 use crate::solve::nearing::Nearing;

@@ -16,16 +16,10 @@ use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::vector::dot;
 use crate::solve::aim::{Aim, Pace};
-use crate::systems::phase::kept::BodiesOf;
-use crate::systems::phase::kept::IN_PHASE_SPACE;
-use crate::systems::phase::kept::InPhaseSpace;
-use crate::systems::phase::kept::Kept;
-use crate::systems::phase::kept::OfBody;
+use crate::systems::phase::kept::{BodiesOf, IN_PHASE_SPACE, InPhaseSpace, Kept, OfBody};
 use crate::systems::phase::landing::Departure;
 use crate::systems::phase::point::Point;
-use crate::systems::phase::step::TURN;
-use crate::systems::phase::step::move_by;
-use crate::systems::phase::step::turn;
+use crate::systems::phase::step::{TURN, move_by, turn};
 
 impl<K, H, N, const D: usize, const M: usize> Parts<f64, D> for InPhaseSpace<K, H, N, M>
 where

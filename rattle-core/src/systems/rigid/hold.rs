@@ -4,12 +4,9 @@ use crate::effect::list::Effects;
 use crate::error::{Error, NetworkMistake, StartFailure};
 use crate::motion::bodies::{Body, Count};
 use crate::motion::hold::{Hold, Kind};
-use crate::motion::start::START_TOLERANCE;
-use crate::motion::start::finite;
+use crate::motion::start::{START_TOLERANCE, finite};
 use crate::motion::state::State;
-use crate::systems::rigid::body::Rigid;
-use crate::systems::rigid::body::spread;
-use crate::systems::rigid::body::turning_part;
+use crate::systems::rigid::body::{Rigid, spread, turning_part};
 use crate::systems::rigid::kept::Turning;
 use nalgebra::{Matrix3, Vector3};
 

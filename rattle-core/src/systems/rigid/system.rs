@@ -18,14 +18,8 @@ use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, largest, scaled, sum};
 use crate::solve::nearing::Nearing;
-use crate::systems::rigid::body::REDUCED;
-use crate::systems::rigid::body::Rigid;
-use crate::systems::rigid::body::spread;
-use crate::systems::rigid::body::turning_part;
-use crate::systems::rigid::kept::BodiesOf;
-use crate::systems::rigid::kept::Kept;
-use crate::systems::rigid::kept::Place;
-use crate::systems::rigid::kept::Turning;
+use crate::systems::rigid::body::{REDUCED, Rigid, spread, turning_part};
+use crate::systems::rigid::kept::{BodiesOf, Kept, Place, Turning};
 use crate::systems::rigid::rotation::{
     CROOKED, Moments, deviation, has_rotation, one_over, product, share, too_fast, turn, turning,
 };

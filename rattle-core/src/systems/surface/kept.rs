@@ -9,8 +9,7 @@ use crate::solve::aim::{Aim, Pace};
 use crate::systems::surface::crowd::Crowd;
 use crate::systems::surface::in_lanes::TileInLanes;
 use crate::systems::surface::normal::Normal;
-use crate::systems::surface::room::SeriesRoom;
-use crate::systems::surface::room::Stages;
+use crate::systems::surface::room::{SeriesRoom, Stages};
 use std::fmt;
 
 /// The system of bodies, each on its own copy of a surface, with forces.
