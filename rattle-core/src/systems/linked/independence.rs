@@ -22,25 +22,19 @@ const NEARER: f64 = 1e-3;
 impl<const D: usize> Start<D> {
     /// By how much this way, if there is one, and some roundings of places may turn a normal; and by how much in the
     /// metric of M⁻¹.
-    fn turned_by(
-        &mut self,
-        shape: &Shape<D>,
-        (c, row): (usize, usize),
-        time: f64,
-        way: Option<&[[f64; D]]>,
-    ) -> [f64; 2] {
-        let rows = &shape.components[c].rows;
+    fn turned_by(&mut self, shape: &Shape<D>, row: usize, way: Option<&[[f64; D]]>) -> [f64; 2] {
+        let rows = self.rows(shape);
         let (of, first) = (rows.find(&shape.groups, row), rows.range::<0>(row).start);
-        let length = self.length(shape, c, row);
-        let by_masses = self.by_masses(shape, (c, row), (&self.blocks, 0)) / length;
+        let length = self.length(shape, row);
+        let by_masses = self.by_masses(shape, row, (&self.blocks, 0)) / length;
         // Over |∇g| at once, so that there are squares however g is scaled.
         let (bodies, over) = (|| rows.touched_by(row).map(|(_, body)| body), 1.0 / length);
         let mut part = std::mem::take(&mut self.part);
         let mut turned = [0.0; 2];
         let mut add = |part: &[[f64; D]]| {
-            let change = self.bend(shape, of, time, part);
+            let change = self.bend(shape, of, part);
             turned[0] += length_of(change.iter().flatten());
-            turned[1] += self.by_masses(shape, (c, row), (&change, first)) / by_masses;
+            turned[1] += self.by_masses(shape, row, (&change, first)) / by_masses;
         };
         if let Some(way) = way {
             bodies().for_each(|body| part[body] = scaled(over, &way[body]));
@@ -57,29 +51,23 @@ impl<const D: usize> Start<D> {
     }
 
     /// By how much some roundings of places may turn a normal.
-    pub(super) fn turned(&mut self, shape: &Shape<D>, (c, row): (usize, usize), time: f64) -> f64 {
-        self.turned_by(shape, (c, row), time, None)[0]
+    pub(super) fn turned(&mut self, shape: &Shape<D>, row: usize) -> f64 {
+        self.turned_by(shape, row, None)[0]
     }
 
     /// By how much the way onto those equations that a component counts, and roundings, may turn each of its normals:
     /// those of what moves, and those of where it is, as an equation may be off by the rounding of places where g is 0.
     /// The way is written.
-    fn turned_on_the_way(
-        &mut self,
-        shape: &mut Shape<D>,
-        c: usize,
-        time: f64,
-        way: &mut [[f64; D]],
-    ) -> Vec<[f64; 2]> {
-        let m = shape.components[c].rows.equations();
+    fn turned_on_the_way(&mut self, shape: &mut Shape<D>, way: &mut [[f64; D]]) -> Vec<[f64; 2]> {
+        let m = self.rows(shape).equations();
         let off: Vec<f64> = self.g[..m].iter().map(|g| -g).collect();
         let rounded = |row: usize| {
-            let rounding = f64::EPSILON * self.along(shape, (c, row), &self.q) * self.length(shape, c, row);
+            let rounding = f64::EPSILON * self.along(shape, row, &self.q) * self.length(shape, row);
             off[row].abs().max(rounding).copysign(off[row])
         };
         let may_be_off: Vec<f64> = (0..m).map(rounded).collect();
         let Shape { components, roots, .. } = &mut *shape;
-        let Component { rows, solver, .. } = &mut components[c];
+        let Component { rows, solver, .. } = &mut components[self.c];
         let mut x = vec![0.0; m];
         let mut lead = |off: &[f64], way: &mut [[f64; D]]| {
             solver.solve(off, &mut x);
@@ -89,16 +77,16 @@ impl<const D: usize> Start<D> {
         let mut longest = vec![[0.0; D]; way.len()];
         lead(&may_be_off, &mut longest);
         lead(&off, way);
-        (0..m).map(|row| self.turned_by(shape, (c, row), time, Some(&longest))).collect()
+        (0..m).map(|row| self.turned_by(shape, row, Some(&longest))).collect()
     }
 
     /// By how much roundings of places may turn the normals of those equations that share a body with this one.
-    pub(super) fn turned_near(&mut self, shape: &Shape<D>, (c, row): (usize, usize), time: f64) -> f64 {
-        let rows = &shape.components[c].rows;
+    pub(super) fn turned_near(&mut self, shape: &Shape<D>, row: usize) -> f64 {
+        let rows = self.rows(shape);
         let known = self.known.turned.take().unwrap_or_else(|| {
             let mut most = vec![0.0_f64; rows.bodies.len()];
             for row in 0..rows.equations() {
-                let turned = self.turned(shape, (c, row), time);
+                let turned = self.turned(shape, row);
                 rows.blocks_of(row).for_each(|(_, body)| most[body] = most[body].max(turned));
             }
             most
@@ -107,92 +95,85 @@ impl<const D: usize> Start<D> {
         self.known.turned = Some(known);
         near
     }
-}
 
-/// Has a component, which has taken its normals over, count those equations alone that are independent of the others
-/// where these hold: their normals are at more than what the place being off and its rounding can turn any by of which
-/// they are made, or a way onto the others leaves them off. To be limited to no fewer before that.
-///
-/// Elimination counts all. Where its least sine is no more than the way onto all may make of none, a basis, if it
-/// `may`, takes the place of elimination, and stays where it counts fewer.
-pub(super) fn count_independent<const D: usize>(
-    shape: &mut Shape<D>,
-    c: usize,
-    start: &mut Start<D>,
-    time: f64,
-    (sine, may): (f64, bool),
-) {
-    let by_elimination = matches!(shape.components[c].solver, Solver::Elimination(_));
-    if !by_elimination {
-        return count_by_basis(shape, c, start, time);
-    }
-    if !may || sine > CLEARLY {
-        return;
-    }
-    let mut way = std::mem::take(&mut start.lift); // of others it is not looked at
-    let turned = start.turned_on_the_way(shape, c, time, &mut way);
-    start.lift = way;
-    let most = turned.iter().map(|[_, turned]| *turned).fold(0.0, f64::max);
-    // One look far off, and one near by if that is far nearer: a basis of many equations takes long.
-    if most < sine || most > NEARER * start.judged {
-        return;
-    }
-    let Shape { components, roots, .. } = &mut *shape;
-    let Component { rows, solver, .. } = &mut components[c];
-    let elimination = std::mem::replace(solver, Solver::orthogonal(rows));
-    solver.normals(rows, &start.blocks[..rows.blocks()], roots);
-    count_by_basis(shape, c, start, time);
-    let Component { rows, solver, .. } = &mut shape.components[c];
-    if solver.rank(rows) == rows.equations() {
-        *solver = elimination;
-        start.judged = most;
-    }
-}
-
-fn count_by_basis<const D: usize>(shape: &mut Shape<D>, c: usize, start: &mut Start<D>, time: f64) {
-    let (m, sines) = (shape.components[c].rows.equations(), shape.components[c].solver.sines());
-    let above = |least: f64| sines.iter().take_while(|&&sine| sine > least).count();
-    let mut counted = above(APART);
-    if sines.is_empty() || counted == m {
-        return;
-    }
-    let (doubtful, made_of) = (counted, shape.components[c].solver.made_of(counted));
-    let rounding = start.rounding_of_all(shape, c, &start.q);
-    let mut way = std::mem::take(&mut start.lift); // of others it is not looked at
-    // How far off a start is shows the way onto those that are clearly apart. Some that are not may be by more than it
-    // may turn normals by, and count for the way as well.
-    let turned = loop {
-        let Shape { components, roots, .. } = &mut *shape;
-        let Component { rows, solver, .. } = &mut components[c];
-        solver.limit(counted, f64::INFINITY);
-        solver.normals(rows, &start.blocks[..rows.blocks()], roots);
-        let turned = start.turned_on_the_way(shape, c, time, &mut way);
-        let rows = &shape.components[c].rows;
-        let reach = rows.bodies.iter().map(|&body| largest(&way[body])).fold(0.0, f64::max);
-        // What is left of one may be of second order in others from which it follows.
-        let most = turned.iter().map(|[turned, _]| *turned).fold(0.0, f64::max);
-        let least = (SECOND_ORDER / ROUNDINGS * most * reach).max(rounding);
-        let holds = (0..m).all(|row| {
-            let change = |(block, body): (usize, usize)| dot(&start.blocks[block], &way[body]);
-            let left = start.g[row] + rows.touched_by(row).map(change).sum::<f64>();
-            left.abs() <= least * start.length(shape, c, row)
-        });
-        // By how much the way may turn a normal away from one that is made of the others.
-        let away = |k: usize| {
-            let parts = made_of[k - doubtful].iter().map(|&(row, times)| times.abs() * turned[row][1]);
-            parts.fold(0.0, f64::max)
-        };
-        let next = sines.get(counted).copied().unwrap_or(0.0);
-        let apart = (counted..sines.len()).take_while(|&k| sines[k] > away(k).max(APART * next)).count();
-        if apart > 0 {
-            counted += apart;
-        } else if !holds && next > BRANCHING {
-            // The next one asks for something of its own, though masses make its sine small.
-            counted = above((APART * next).max(BRANCHING)).max(counted + 1);
-        } else {
-            break turned.iter().map(|[_, turned]| *turned).fold(0.0, f64::max);
+    /// Has the component, which has taken its normals over, count those equations alone that are independent of the
+    /// others where these hold: their normals are at more than what the place being off and its rounding can turn any
+    /// by of which they are made, or a way onto the others leaves them off. To be limited to no fewer before that.
+    ///
+    /// Elimination counts all. Where its least `sine` is no more than the way onto all may make of none, a basis, if it
+    /// may, takes the place of elimination, and stays where it counts fewer.
+    pub(super) fn count_independent(&mut self, shape: &mut Shape<D>, sine: f64) {
+        if !matches!(shape.components[self.c].solver, Solver::Elimination(_)) {
+            return self.count_by_basis(shape);
         }
-    };
-    start.lift = way;
-    shape.components[c].solver.limit(counted, turned.max(BRANCHING)); // no other is beyond that here
+        if !self.may_take_basis(self.rows(shape)) || sine > CLEARLY {
+            return;
+        }
+        let mut way = std::mem::take(&mut self.lift); // of others it is not looked at
+        let turned = self.turned_on_the_way(shape, &mut way);
+        self.lift = way;
+        let most = turned.iter().map(|[_, turned]| *turned).fold(0.0, f64::max);
+        // One look far off, and one near by if that is far nearer: a basis of many equations takes long.
+        if most < sine || most > NEARER * self.judged {
+            return;
+        }
+        let Shape { components, roots, .. } = &mut *shape;
+        let Component { rows, solver, .. } = &mut components[self.c];
+        let elimination = std::mem::replace(solver, Solver::orthogonal(rows));
+        solver.normals(rows, &self.blocks[..rows.blocks()], roots);
+        self.count_by_basis(shape);
+        let Component { rows, solver, .. } = &mut shape.components[self.c];
+        if solver.rank(rows) == rows.equations() {
+            *solver = elimination;
+            self.judged = most;
+        }
+    }
+
+    fn count_by_basis(&mut self, shape: &mut Shape<D>) {
+        let (m, sines) = (self.rows(shape).equations(), shape.components[self.c].solver.sines());
+        let above = |least: f64| sines.iter().take_while(|&&sine| sine > least).count();
+        let mut counted = above(APART);
+        if sines.is_empty() || counted == m {
+            return;
+        }
+        let (doubtful, made_of) = (counted, shape.components[self.c].solver.made_of(counted));
+        let rounding = self.rounding_of_all(shape, &self.q);
+        let mut way = std::mem::take(&mut self.lift); // of others it is not looked at
+        // How far off a start is shows the way onto those that are clearly apart. Some that are not may be by more than
+        // it may turn normals by, and count for the way as well.
+        let turned = loop {
+            let Shape { components, roots, .. } = &mut *shape;
+            let Component { rows, solver, .. } = &mut components[self.c];
+            solver.limit(counted, f64::INFINITY);
+            solver.normals(rows, &self.blocks[..rows.blocks()], roots);
+            let turned = self.turned_on_the_way(shape, &mut way);
+            let rows = self.rows(shape);
+            let reach = rows.bodies.iter().map(|&body| largest(&way[body])).fold(0.0, f64::max);
+            // What is left of one may be of second order in others from which it follows.
+            let most = turned.iter().map(|[turned, _]| *turned).fold(0.0, f64::max);
+            let least = (SECOND_ORDER / ROUNDINGS * most * reach).max(rounding);
+            let holds = (0..m).all(|row| {
+                let change = |(block, body): (usize, usize)| dot(&self.blocks[block], &way[body]);
+                let left = self.g[row] + rows.touched_by(row).map(change).sum::<f64>();
+                left.abs() <= least * self.length(shape, row)
+            });
+            // By how much the way may turn a normal away from one that is made of the others.
+            let away = |k: usize| {
+                let parts = made_of[k - doubtful].iter().map(|&(row, times)| times.abs() * turned[row][1]);
+                parts.fold(0.0, f64::max)
+            };
+            let next = sines.get(counted).copied().unwrap_or(0.0);
+            let apart = (counted..sines.len()).take_while(|&k| sines[k] > away(k).max(APART * next)).count();
+            if apart > 0 {
+                counted += apart;
+            } else if !holds && next > BRANCHING {
+                // The next one asks for something of its own, though masses make its sine small.
+                counted = above((APART * next).max(BRANCHING)).max(counted + 1);
+            } else {
+                break turned.iter().map(|[_, turned]| *turned).fold(0.0, f64::max);
+            }
+        };
+        self.lift = way;
+        shape.components[self.c].solver.limit(counted, turned.max(BRANCHING)); // no other is beyond that here
+    }
 }
