@@ -294,12 +294,6 @@ impl<const D: usize> Effect<D, Noting> for Notes {
         self.clone()
     }
     type Swept<S: Lane, const L: usize> = [Notes; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> [Notes; L]
-    where
-        Self: 'a,
-    {
-        std::array::from_fn(|i| lane(i).clone())
-    }
 }
 
 impl<T: Real, const D: usize> Acting<T, D> for Notes {

@@ -12,7 +12,6 @@ use rattle::methods::dop853_table as table;
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::surfaces::Torus;
-use std::array::from_fn;
 use std::sync::{Arc, Mutex};
 
 /// Decimals kept in exact sums.
@@ -398,9 +397,6 @@ impl Effect<3, Tidal> for Tide {
         self.clone()
     }
     type Swept<S: Lane, const L: usize> = [Tide; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L> {
-        from_fn(|i| lane(i).clone())
-    }
 }
 
 impl<T: Real> Acting<T, 3> for Tide {

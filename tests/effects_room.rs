@@ -42,12 +42,6 @@ impl<const D: usize> Effect<D, BetweenNear> for Near {
         self.clone()
     }
     type Swept<S: Lane, const L: usize> = [Near; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> [Near; L]
-    where
-        Self: 'a,
-    {
-        from_fn(|i| lane(i).clone())
-    }
 }
 
 fn apart<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> ([T; D], T) {

@@ -52,12 +52,6 @@ impl<const D: usize> Effect<D, WithTime> for Growing<D> {
         self.clone()
     }
     type Swept<S: Lane, const L: usize> = [Self; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> [Self; L]
-    where
-        Self: 'a,
-    {
-        from_fn(|i| lane(i).clone())
-    }
 }
 
 impl<T: Real, const D: usize> Acting<T, D> for Growing<D> {

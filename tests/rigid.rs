@@ -193,9 +193,6 @@ impl Effect<9, Drives> for Motor {
         *self
     }
     type Swept<S: Lane, const L: usize> = [Self; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> [Self; L] {
-        std::array::from_fn(|i| *lane(i))
-    }
 }
 
 impl<T: Real> Acting<T, 9> for Motor {

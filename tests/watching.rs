@@ -287,12 +287,6 @@ impl Effect<3, WithTime> for Rising {
         Self
     }
     type Swept<S: Lane, const L: usize> = [Self; L];
-    fn swept<'a, S: Lane, const L: usize>(_: impl Fn(usize) -> &'a Self) -> [Self; L]
-    where
-        Self: 'a,
-    {
-        [Rising; L]
-    }
 }
 
 impl<T: Real> Acting<T, 3> for Rising {

@@ -28,7 +28,6 @@ use crate::kernel::within::{Along, Within};
 use crate::number::lanes::Lane;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled};
-use std::array::from_fn;
 
 /// The kind of effect of every [`Along`]: a potential of distances along a surface.
 #[derive(Debug, Clone, Copy)]
@@ -57,12 +56,6 @@ impl<P: PairPotential, C: Constraint<D, 1>, B: Space<D>, const D: usize> Effect<
     }
 
     type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        from_fn(|i| Effect::<D, AlongSurface>::acting(lane(i)))
-    }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
         refuse_nan_in::<C>(self.surface.nan_parameter())?;

@@ -24,7 +24,6 @@ use crate::kernel::within::{AlongGeodesics, Within};
 use crate::number::lanes::Lane;
 use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot};
-use std::array::from_fn;
 
 /// The kind of effect of every [`AlongGeodesics`]: a potential of lengths of geodesics.
 #[derive(Debug, Clone, Copy)]
@@ -50,12 +49,6 @@ impl<P: PairPotential, C: Constraint<D, 1>, B: Space<D>, const D: usize> Effect<
     }
 
     type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        from_fn(|i| Effect::<D, ByGeodesics>::acting::<S>(lane(i)))
-    }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
         refuse_nan_in::<C>(self.surface.nan_parameter())?;

@@ -30,12 +30,6 @@ impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, 
     }
 
     type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        from_fn(|i| Effect::<D, Among<K, A>>::acting(lane(i)))
-    }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
         self.check_each(what, bodies, P::nan_parameter)

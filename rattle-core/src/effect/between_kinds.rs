@@ -10,7 +10,6 @@ use crate::kernel::kinds::Kinds;
 use crate::kernel::space::Open;
 use crate::number::lanes::Lane;
 use crate::number::real::Real;
-use std::array::from_fn;
 
 /// The kind of effect of [`Kinds`] of a [`PairPotential`]: between every two bodies, by their kinds, at any distance.
 #[derive(Debug, Clone, Copy)]
@@ -27,12 +26,6 @@ impl<P: PairPotential, const D: usize> Effect<D, BetweenKinds> for Kinds<P> {
     }
 
     type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        from_fn(|i| Effect::<D, BetweenKinds>::acting(lane(i)))
-    }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
         self.check_kinds(what, bodies)?;

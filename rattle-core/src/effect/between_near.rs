@@ -16,7 +16,6 @@ use crate::number::instructions::InstructionSet;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::{Fused, Lane};
 use crate::number::real::Real;
-use std::array::from_fn;
 use std::marker::PhantomData;
 
 /// The kind of effect of every [`Within`]: between every two bodies within a cut-off distance.
@@ -49,12 +48,6 @@ impl<P: PairPotential, B: Space<D>, const D: usize> Effect<D, BetweenNear> for W
     }
 
     type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        from_fn(|i| Effect::<D, BetweenNear>::acting(lane(i)))
-    }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
         check_within(self, 1.0, what, bodies)
@@ -79,12 +72,6 @@ impl<P: PairPotential, B: Space<D>, const D: usize> Effect<D, BetweenNearKinds> 
     }
 
     type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        from_fn(|i| Effect::<D, BetweenNearKinds>::acting(lane(i)))
-    }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
         self.check_kinds(what, bodies)?;

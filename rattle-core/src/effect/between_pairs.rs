@@ -12,7 +12,6 @@ use crate::number::instructions::InstructionSet;
 use crate::number::lanes::{Fused, Lane};
 use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot};
-use std::array::from_fn;
 
 /// The kind of effect of every [`PairPotential`]: between every two bodies.
 #[derive(Debug, Clone, Copy)]
@@ -37,12 +36,6 @@ impl<P: PairPotential, const D: usize> Effect<D, BetweenPairs> for P {
     }
 
     type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        from_fn(|i| Effect::<D, BetweenPairs>::acting(lane(i)))
-    }
 
     fn check(&self, what: &'static str, _: usize) -> Result<(), Error> {
         refuse_nan(what, self.nan_parameter())

@@ -56,12 +56,6 @@ impl<F: ForceLaw<D>, const D: usize> Effect<D, ByForce> for F {
     }
 
     type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        from_fn(|i| Effect::<D, ByForce>::acting::<S>(lane(i)))
-    }
 
     fn check(&self, what: &'static str, _: usize) -> Result<(), Error> {
         refuse_nan(what, self.nan_parameter())
@@ -82,12 +76,6 @@ impl<F: ForceLaw<K>, const D: usize, const K: usize, const A: usize> Effect<D, B
     }
 
     type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        from_fn(|i| Effect::<D, ByForceAmong<K, A>>::acting::<S>(lane(i)))
-    }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
         self.check_each(what, bodies, F::nan_parameter)

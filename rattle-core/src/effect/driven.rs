@@ -32,12 +32,6 @@ impl<P: DrivenPotential<D>, const D: usize> Effect<D, Driven> for P {
     }
 
     type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        from_fn(|i| Effect::<D, Driven>::acting(lane(i)))
-    }
 
     fn check(&self, what: &'static str, _: usize) -> Result<(), Error> {
         refuse_nan(what, self.nan_parameter())
@@ -55,12 +49,6 @@ impl<P: DrivenPotential<K>, const D: usize, const K: usize, const A: usize> Effe
     }
 
     type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        from_fn(|i| Effect::<D, DrivenAmong<K, A>>::acting(lane(i)))
-    }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
         self.check_each(what, bodies, P::nan_parameter)

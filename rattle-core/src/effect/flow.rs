@@ -7,7 +7,6 @@ use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::error::{EffectMistake, Error};
 use crate::number::lanes::Lane;
 use crate::number::real::Real;
-use std::array::from_fn;
 
 /// A flow of momenta p ← Φₕ(p; q, t) at fixed positions and time: an effect that depends on momenta.
 ///
@@ -130,12 +129,6 @@ impl<F: Flow<D>, const D: usize> Effect<D, Flowing> for F {
     }
 
     type Swept<S: Lane, const L: usize> = [ActsByFlow<F>; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        from_fn(|i| ActsByFlow(lane(i).clone()))
-    }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
         Flow::check(self, bodies).map_err(|mistake| Error::Effect { effect: what, mistake })

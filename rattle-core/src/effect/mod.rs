@@ -75,4 +75,4 @@ pub use ornstein_uhlenbeck::OrnsteinUhlenbeck;
 pub use rescaling::VelocityRescaling;
 pub use self_propulsion::{ActsBySelf, Propelled, SelfPropulsion};
 pub use stop::Stop;
-pub use swept::Swept;
+pub use swept::{OfLanes, Swept};

@@ -2,7 +2,7 @@
 
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
-use crate::effect::swept::Swept;
+use crate::effect::swept::{OfLanes, Swept};
 use crate::error::{Error, refuse_nan};
 use crate::kernel::functions::{Potential, PotentialKernel};
 use crate::kernel::series::Order;
@@ -26,12 +26,6 @@ impl<P: Potential<D>, const D: usize> Effect<D, OnEach> for P {
     }
 
     type Swept<S: Lane, const L: usize> = SweptOnEach<P, S, L, D>;
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        SweptOnEach::new(lane)
-    }
 
     fn check(&self, what: &'static str, _: usize) -> Result<(), Error> {
         refuse_nan(what, self.nan_parameter())
@@ -87,13 +81,12 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for ActsOnE
 #[derive(Debug)]
 pub struct SweptOnEach<P: Potential<D>, S: Lane, const L: usize, const D: usize>(P::Kernel<Lanes<S, L>>);
 
-impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> SweptOnEach<P, S, L, D> {
-    pub(super) fn new<'a>(lane: impl Fn(usize) -> &'a P) -> Self
-    where
-        P: 'a,
-    {
+impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> OfLanes<ActsOnEach<P::Kernel<S>>>
+    for SweptOnEach<P, S, L, D>
+{
+    fn of_lanes(lane: impl Fn(usize) -> ActsOnEach<P::Kernel<S>>) -> Self {
         Self(side_by_side(
-            |i| lane(i).kernel::<S>(),
+            |i| lane(i).0,
             |kernel, number| drop(P::map_kernel::<S, S>(kernel, number)),
             |kernel, number| P::map_kernel(kernel, number),
         ))

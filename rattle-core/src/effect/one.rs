@@ -4,7 +4,7 @@ use crate::effect::force::Force;
 use crate::effect::interval::{Inertia, Interval, Manner, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
-use crate::effect::swept::Swept;
+use crate::effect::swept::{OfLanes, Swept};
 use crate::error::{EffectMistake, Error};
 use crate::kernel::series::Order;
 use crate::number::lanes::Lane;
@@ -34,11 +34,14 @@ pub trait Effect<const D: usize, Kind> {
     fn acting<T: Real>(&self) -> Self::Acting<T>;
 
     /// The effect in L SIMD lanes, each with parameters of its own.
-    type Swept<S: Lane, const L: usize>: Swept<S, L, D, Lane = Self::Acting<S>>;
+    type Swept<S: Lane, const L: usize>: Swept<S, L, D, Lane = Self::Acting<S>> + OfLanes<Self::Acting<S>>;
     /// The effect in lanes, lane i with the parameters of `lane(i)`.
     fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
     where
-        Self: 'a;
+        Self: 'a,
+    {
+        OfLanes::of_lanes(|i| lane(i).acting::<S>())
+    }
 
     /// Checks the effect in a scene of this number of bodies, before a run; `what` is the name of its type, for the
     /// error message.

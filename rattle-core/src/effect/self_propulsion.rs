@@ -112,12 +112,6 @@ impl<const D: usize> Effect<D, Propelled> for SelfPropulsion<D> {
     }
 
     type Swept<S: Lane, const L: usize> = [ActsBySelf<D>; L];
-    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
-    where
-        Self: 'a,
-    {
-        from_fn(|i| ActsBySelf(lane(i).clone()))
-    }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
         self.look(bodies).map_err(|mistake| Error::Effect { effect: what, mistake })

@@ -40,3 +40,15 @@ pub trait Swept<S: Lane, const L: usize, const D: usize>: Clone + Send + Sync {
     /// Has a lane obey what a lane of others does. Not called without a power series.
     fn take_over(&mut self, _lane: usize, _others: &Self, _from: usize) {}
 }
+
+/// One effect in lanes, made of what acts in each of them.
+pub trait OfLanes<A> {
+    /// Lane i does what `lane(i)` does.
+    fn of_lanes(lane: impl Fn(usize) -> A) -> Self;
+}
+
+impl<A, const L: usize> OfLanes<A> for [A; L] {
+    fn of_lanes(lane: impl Fn(usize) -> A) -> Self {
+        std::array::from_fn(lane)
+    }
+}
