@@ -48,34 +48,16 @@ use std::fmt;
 pub struct BoxedSimulation<const D: usize>(Box<dyn AnySimulation<D>>);
 
 /// What [`BoxedSimulation`] asks of a simulation, whatever its scene and method.
-trait AnySimulation<const D: usize>: Send + Sync + fmt::Debug {
+trait AnySimulation<const D: usize>: Questions<D> + Send + Sync + fmt::Debug {
     fn cloned(&self) -> Box<dyn AnySimulation<D>>;
     fn run(&mut self, steps: u64) -> Result<(), Error>;
     fn run_until(&mut self, time: f64) -> Result<(), Error>;
     fn observe(&mut self, steps: u64, every: u64, observer: &mut dyn Observer<D>) -> Result<(), Error>;
-    fn checkpoint(&self) -> Record;
     fn resume(&mut self, checkpoint: &Record) -> Result<(), Error>;
-    fn steps(&self) -> u64;
     /// Time, time of momenta, step size.
     fn times(&self) -> [f64; 3];
-    fn bodies(&self) -> usize;
     /// Position, momentum, velocity.
     fn body(&self, body: usize) -> [SVector<f64, D>; 3];
-    fn state(&self) -> State<D>;
-    fn kinetic_energy(&self) -> f64;
-    fn freedom(&self) -> usize;
-    fn temperature(&self) -> f64;
-    fn potential_energy(&self) -> f64;
-    fn effect_energies(&self) -> Vec<f64>;
-    fn energy_error(&self) -> f64;
-    fn work(&self) -> f64;
-    fn events(&self) -> u64;
-    fn corrections(&self) -> Option<u64>;
-    fn residuals(&self) -> Vec<f64>;
-    fn constraint_residual(&self) -> f64;
-    fn cotangent_residual(&self) -> f64;
-    fn multipliers(&self) -> Vec<f64>;
-    fn constraint_forces(&self) -> Vec<SVector<f64, D>>;
     fn bill(&self) -> Result<Bill, Error>;
 }
 
@@ -99,69 +81,15 @@ impl<Y: System<f64, D>, S: Method, const D: usize> AnySimulation<D> for Simulati
     fn observe(&mut self, steps: u64, every: u64, observer: &mut dyn Observer<D>) -> Result<(), Error> {
         self.observe(steps, every, observer)
     }
-    fn checkpoint(&self) -> Record {
-        self.checkpoint()
-    }
     fn resume(&mut self, checkpoint: &Record) -> Result<(), Error> {
         self.resume(checkpoint)
-    }
-    fn steps(&self) -> u64 {
-        self.steps()
     }
     fn times(&self) -> [f64; 3] {
         [self.time(), self.momentum_time(), self.method().step_size()]
     }
-    fn bodies(&self) -> usize {
-        self.bodies()
-    }
     fn body(&self, body: usize) -> [SVector<f64, D>; 3] {
         let velocity = self.system().velocity(&self.bodies, body);
         [self.bodies.q.as_ref()[body], self.bodies.p.as_ref()[body], velocity].map(Into::into)
-    }
-    fn state(&self) -> State<D> {
-        self.state()
-    }
-    fn kinetic_energy(&self) -> f64 {
-        self.kinetic_energy()
-    }
-    fn freedom(&self) -> usize {
-        self.freedom()
-    }
-    fn temperature(&self) -> f64 {
-        self.temperature()
-    }
-    fn potential_energy(&self) -> f64 {
-        self.potential_energy()
-    }
-    fn effect_energies(&self) -> Vec<f64> {
-        self.effect_energies()
-    }
-    fn energy_error(&self) -> f64 {
-        self.energy_error()
-    }
-    fn work(&self) -> f64 {
-        self.work()
-    }
-    fn events(&self) -> u64 {
-        self.events()
-    }
-    fn corrections(&self) -> Option<u64> {
-        self.corrections()
-    }
-    fn residuals(&self) -> Vec<f64> {
-        self.residuals()
-    }
-    fn constraint_residual(&self) -> f64 {
-        self.constraint_residual()
-    }
-    fn cotangent_residual(&self) -> f64 {
-        self.cotangent_residual()
-    }
-    fn multipliers(&self) -> Vec<f64> {
-        self.multipliers()
-    }
-    fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
-        self.constraint_forces()
     }
     fn bill(&self) -> Result<Bill, Error> {
         self.bill()
@@ -226,24 +154,12 @@ impl<const D: usize> BoxedSimulation<D> {
         self.0.observe(steps, every, observer)
     }
 
-    /// A record of everything needed to continue from here, see [`Simulation::checkpoint`].
-    #[must_use]
-    pub fn checkpoint(&self) -> Record {
-        self.0.checkpoint()
-    }
-
     /// Continues from a checkpoint, see [`Simulation::resume`].
     ///
     /// # Errors
     /// As there.
     pub fn resume(&mut self, checkpoint: &Record) -> Result<(), Error> {
         self.0.resume(checkpoint)
-    }
-
-    /// Steps taken so far.
-    #[must_use]
-    pub fn steps(&self) -> u64 {
-        self.0.steps()
     }
 
     /// The time.
@@ -264,12 +180,6 @@ impl<const D: usize> BoxedSimulation<D> {
         self.0.times()[2]
     }
 
-    /// The number of bodies.
-    #[must_use]
-    pub fn bodies(&self) -> usize {
-        self.0.bodies()
-    }
-
     /// Positions of the bodies in order. That of the first, or only, body is `.positions().next()`.
     pub fn positions(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         (0..self.bodies()).map(|body| self.0.body(body)[0])
@@ -285,100 +195,10 @@ impl<const D: usize> BoxedSimulation<D> {
         (0..self.bodies()).map(|body| self.0.body(body)[2])
     }
 
-    /// The present state, see [`Simulation::state`].
-    #[must_use]
-    pub fn state(&self) -> State<D> {
-        self.0.state()
-    }
-
-    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.
-    #[must_use]
-    pub fn kinetic_energy(&self) -> f64 {
-        self.0.kinetic_energy()
-    }
-
-    /// The number of independent momenta, see [`Simulation::freedom`].
-    #[must_use]
-    pub fn freedom(&self) -> usize {
-        self.0.freedom()
-    }
-
-    /// The temperature kT of the present momenta, an energy; see [`Simulation::temperature`].
-    #[must_use]
-    pub fn temperature(&self) -> f64 {
-        self.0.temperature()
-    }
-
-    /// Potential energy U of all effects.
-    #[must_use]
-    pub fn potential_energy(&self) -> f64 {
-        self.0.potential_energy()
-    }
-
-    /// U of each effect in the order of the scene, see [`Simulation::effect_energies`].
-    #[must_use]
-    pub fn effect_energies(&self) -> Vec<f64> {
-        self.0.effect_energies()
-    }
-
     /// Energy H = K + U.
     #[must_use]
     pub fn energy(&self) -> f64 {
         self.kinetic_energy() + self.potential_energy()
-    }
-
-    /// Energy now minus energy at the start, minus the [work](Self::work) done; see [`Simulation::energy_error`].
-    #[must_use]
-    pub fn energy_error(&self) -> f64 {
-        self.0.energy_error()
-    }
-
-    /// Work done on the bodies since the start, see [`Simulation::work`].
-    #[must_use]
-    pub fn work(&self) -> f64 {
-        self.0.work()
-    }
-
-    /// Number of impacts and of crossings of edges since the start, see [`Simulation::events`].
-    #[must_use]
-    pub fn events(&self) -> u64 {
-        self.0.events()
-    }
-
-    /// Number of corrections in the solution of position equations since the start, see [`Simulation::corrections`].
-    #[must_use]
-    pub fn corrections(&self) -> Option<u64> {
-        self.0.corrections()
-    }
-
-    /// g(q, t) of each equation, in the unit of g.
-    #[must_use]
-    pub fn residuals(&self) -> Vec<f64> {
-        self.0.residuals()
-    }
-
-    /// The largest |g(q, t)| of all equations, in the unit of g.
-    #[must_use]
-    pub fn constraint_residual(&self) -> f64 {
-        self.0.constraint_residual()
-    }
-
-    /// The largest |G(q)v + ∂g/∂t| of all equations, with v = M⁻¹p.
-    #[must_use]
-    pub fn cotangent_residual(&self) -> f64 {
-        self.0.cotangent_residual()
-    }
-
-    /// Multipliers λ of the equations in order, see [`Simulation::multipliers`].
-    #[must_use]
-    pub fn multipliers(&self) -> Vec<f64> {
-        self.0.multipliers()
-    }
-
-    /// The force Gᵀλ of all constraints on each body, see [`Simulation::constraint_forces`].
-    #[must_use]
-    pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
-        self.0.constraint_forces()
     }
 
     /// What a step costs at the present state, item by item; see [`Simulation::bill`].
@@ -388,6 +208,85 @@ impl<const D: usize> BoxedSimulation<D> {
     pub fn bill(&self) -> Result<Bill, Error> {
         self.0.bill()
     }
+}
+
+/// Questions without arguments: methods of [`BoxedSimulation`], answered by those of [`Simulation`] with the same name.
+macro_rules! questions {
+    ($($(#[$doc:meta])* fn $name:ident(&self) -> $answer:ty;)*) => {
+        trait Questions<const D: usize> {
+            $(fn $name(&self) -> $answer;)*
+        }
+
+        impl<Y: System<f64, D>, S: Method, const D: usize> Questions<D> for Simulation<Y, S, D> {
+            $(fn $name(&self) -> $answer {
+                self.$name()
+            })*
+        }
+
+        impl<const D: usize> BoxedSimulation<D> {
+            $($(#[$doc])*
+            #[must_use]
+            pub fn $name(&self) -> $answer {
+                self.0.$name()
+            })*
+        }
+    };
+}
+
+questions! {
+    /// A record of everything needed to continue from here, see [`Simulation::checkpoint`].
+    fn checkpoint(&self) -> Record;
+
+    /// Steps taken so far.
+    fn steps(&self) -> u64;
+
+    /// The number of bodies.
+    fn bodies(&self) -> usize;
+
+    /// The present state, see [`Simulation::state`].
+    fn state(&self) -> State<D>;
+
+    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.
+    fn kinetic_energy(&self) -> f64;
+
+    /// The number of independent momenta, see [`Simulation::freedom`].
+    fn freedom(&self) -> usize;
+
+    /// The temperature kT of the present momenta, an energy; see [`Simulation::temperature`].
+    fn temperature(&self) -> f64;
+
+    /// Potential energy U of all effects.
+    fn potential_energy(&self) -> f64;
+
+    /// U of each effect in the order of the scene, see [`Simulation::effect_energies`].
+    fn effect_energies(&self) -> Vec<f64>;
+
+    /// Energy now minus energy at the start, minus the [work](Self::work) done; see [`Simulation::energy_error`].
+    fn energy_error(&self) -> f64;
+
+    /// Work done on the bodies since the start, see [`Simulation::work`].
+    fn work(&self) -> f64;
+
+    /// Number of impacts and of crossings of edges since the start, see [`Simulation::events`].
+    fn events(&self) -> u64;
+
+    /// Number of corrections in the solution of position equations since the start, see [`Simulation::corrections`].
+    fn corrections(&self) -> Option<u64>;
+
+    /// g(q, t) of each equation, in the unit of g.
+    fn residuals(&self) -> Vec<f64>;
+
+    /// The largest |g(q, t)| of all equations, in the unit of g.
+    fn constraint_residual(&self) -> f64;
+
+    /// The largest |G(q)v + ∂g/∂t| of all equations, with v = M⁻¹p.
+    fn cotangent_residual(&self) -> f64;
+
+    /// Multipliers λ of the equations in order, see [`Simulation::multipliers`].
+    fn multipliers(&self) -> Vec<f64>;
+
+    /// The force Gᵀλ of all constraints on each body, see [`Simulation::constraint_forces`].
+    fn constraint_forces(&self) -> Vec<SVector<f64, D>>;
 }
 
 impl<const D: usize> Clone for Box<dyn AnySimulation<D>> {
