@@ -10,7 +10,9 @@ use crate::motion::hold::{Hold, Kind};
 use crate::motion::method::Method;
 use crate::motion::state::State;
 use crate::run::ensemble::grouping::{Alike, Different, Groups, HowInLanes, InRows, goes_as};
-use crate::run::ensemble::grouping_rows::{TurnedAlike, TurnedApart, linked, linked_apart, rigid};
+use crate::run::ensemble::grouping_rows::{
+    InNetworks, InOneNetwork, TurnedAlike, TurnedApart, linked, rigid,
+};
 use crate::run::ensemble::precision::Precision;
 use crate::scene::Scene;
 use crate::systems::network::Network;
@@ -41,7 +43,7 @@ where
     if goes_as::<C, S, D>(Kind::Network) {
         return |scenes, starts, lanes| {
             let network = (&scenes[0].constraint as &dyn Any).downcast_ref::<Network<D>>()?;
-            linked::<P, S, _, D>(network, &scenes[0].effects, starts, lanes)
+            linked::<P, S, _, D>(&InOneNetwork(network, &scenes[0].effects, starts), lanes)
         };
     }
     if goes_as::<C, S, D>(Kind::Phase) {
@@ -82,7 +84,7 @@ where
             for scene in scenes {
                 networks.push((&scene.constraint as &dyn Any).downcast_ref::<Network<D>>()?);
             }
-            linked_apart::<P, S, _, D>(&networks, &effects(scenes), starts, lanes)
+            linked::<P, S, _, D>(&InNetworks(&networks, &effects(scenes), starts), lanes)
         };
     }
     if goes_as::<C, S, D>(Kind::Phase) {

@@ -13,6 +13,7 @@ use crate::run::ensemble::grouping::{Groups, HowInLanes, in_rows};
 use crate::run::ensemble::linked_going::{Wide, Width};
 use crate::run::ensemble::linked_lanes::LinkedLanes;
 use crate::run::ensemble::linked_law::LinkedLaws;
+use crate::run::ensemble::linked_plan::LinkedPlan;
 use crate::run::ensemble::linked_projected_lanes::{LinkedProjected, ProjectsLinks, TaylorOfLinks};
 use crate::run::ensemble::linked_series_law::SeriesLaws;
 use crate::run::ensemble::precision::Precision;
@@ -29,54 +30,46 @@ use crate::systems::network::in_lanes::{FEW, ROW};
 use crate::systems::rigid::Rigid;
 use std::sync::Arc;
 
-/// Who moves rows of linked bodies.
-trait MovesLinks {
-    /// No more coordinates go in rows of [`ROW`], where more than a few trajectories do.
-    const IN_WIDE_ROWS: usize;
+/// Effects as power series, if there are any; none where one has no series.
+#[allow(clippy::option_option, reason = "there are none, or none that have a series")]
+type MaybeSeries = Option<Option<Box<dyn PullsInSeries>>>;
 
-    /// A row, no lane of which is set, of a network under these effects, the same on all lanes, with steps of this
-    /// length from these starts; none where they cannot go side by side.
-    fn all<E: Effects<D>, const D: usize, const W: usize>(
+/// Who moves rows of linked bodies.
+pub(super) trait MovesLinks {
+    /// No more coordinates go in rows of [`ROW`], where more than a few trajectories do.
+    const IN_WIDE_ROWS: usize = OF_STAGES_IN_WIDE_ROWS;
+
+    /// Whether sums are compensated.
+    fn sums(&self) -> bool {
+        true
+    }
+
+    /// A row of what obeys these laws, no lane of which is set; with the same effects as power series, if it asks for
+    /// them: none where one has none.
+    fn row<F: Forces<f64, D>, const D: usize, const W: usize>(
         &self,
-        network: &Network<D>,
-        effects: &E,
-        starts: (&[State<D>], f64),
+        laws: (LinkedPlan, LinkedLaws<F, D, W>),
+        series: impl FnOnce() -> MaybeSeries,
     ) -> Option<Box<dyn Engine<D>>>
     where
         Width: Wide<W>;
-
-    /// The same, each lane in a network and under effects of its own; lanes beyond them obey what the first does.
-    fn each<E: Effects<D> + 'static, const D: usize>(
-        &self,
-        networks: &[&Network<D>],
-        effects: &[&E],
-        starts: (&[State<D>], f64),
-    ) -> Option<Box<dyn Engine<D>>>;
 }
 
 impl MovesLinks for Splits {
     const IN_WIDE_ROWS: usize = usize::MAX;
 
-    fn all<E: Effects<D>, const D: usize, const W: usize>(
+    fn sums(&self) -> bool {
+        self.sums
+    }
+
+    fn row<F: Forces<f64, D>, const D: usize, const W: usize>(
         &self,
-        network: &Network<D>,
-        effects: &E,
-        starts: (&[State<D>], f64),
+        laws: (LinkedPlan, LinkedLaws<F, D, W>),
+        _: impl FnOnce() -> MaybeSeries,
     ) -> Option<Box<dyn Engine<D>>>
     where
         Width: Wide<W>,
     {
-        let laws = LinkedLaws::<_, D, W>::by_all(network, effects, starts, self.sums)?;
-        Some(Box::new(LinkedLanes::new(laws, self.clone())))
-    }
-
-    fn each<E: Effects<D> + 'static, const D: usize>(
-        &self,
-        networks: &[&Network<D>],
-        effects: &[&E],
-        starts: (&[State<D>], f64),
-    ) -> Option<Box<dyn Engine<D>>> {
-        let laws = LinkedLaws::by_each(networks, effects, starts, self.sums)?;
         Some(Box::new(LinkedLanes::new(laws, self.clone())))
     }
 }
@@ -85,132 +78,105 @@ impl MovesLinks for Splits {
 const OF_STAGES_IN_WIDE_ROWS: usize = 64;
 
 impl<M: ProjectsLinks> MovesLinks for (M, Fusing) {
-    const IN_WIDE_ROWS: usize = OF_STAGES_IN_WIDE_ROWS;
-
-    fn all<E: Effects<D>, const D: usize, const W: usize>(
+    fn row<F: Forces<f64, D>, const D: usize, const W: usize>(
         &self,
-        network: &Network<D>,
-        effects: &E,
-        starts: (&[State<D>], f64),
+        laws: (LinkedPlan, LinkedLaws<F, D, W>),
+        _: impl FnOnce() -> MaybeSeries,
     ) -> Option<Box<dyn Engine<D>>>
     where
         Width: Wide<W>,
     {
-        let laws = LinkedLaws::<_, D, W>::by_all(network, effects, starts, true)?;
-        Some(Box::new(LinkedProjected::new(laws, self.0.clone(), self.1)))
-    }
-
-    fn each<E: Effects<D> + 'static, const D: usize>(
-        &self,
-        networks: &[&Network<D>],
-        effects: &[&E],
-        starts: (&[State<D>], f64),
-    ) -> Option<Box<dyn Engine<D>>> {
-        let laws = LinkedLaws::by_each(networks, effects, starts, true)?;
         Some(Box::new(LinkedProjected::new(laws, self.0.clone(), self.1)))
     }
 }
 
 impl MovesLinks for (Taylor, Fusing) {
-    const IN_WIDE_ROWS: usize = OF_STAGES_IN_WIDE_ROWS;
-
-    fn all<E: Effects<D>, const D: usize, const W: usize>(
+    fn row<F: Forces<f64, D>, const D: usize, const W: usize>(
         &self,
-        network: &Network<D>,
-        effects: &E,
-        starts: (&[State<D>], f64),
+        laws: (LinkedPlan, LinkedLaws<F, D, W>),
+        series: impl FnOnce() -> MaybeSeries,
     ) -> Option<Box<dyn Engine<D>>>
     where
         Width: Wide<W>,
     {
-        let laws = LinkedLaws::<_, D, W>::by_all(network, effects, starts, true)?;
-        let series = SeriesLaws::of(&laws.1, series_in_lanes::of_all(effects, starts.0.first()?.len())?)?;
-        Some(Box::new(LinkedProjected::new(
-            laws,
-            TaylorOfLinks { method: self.0, laws: Arc::new(series) },
-            self.1,
-        )))
-    }
-
-    fn each<E: Effects<D> + 'static, const D: usize>(
-        &self,
-        networks: &[&Network<D>],
-        effects: &[&E],
-        starts: (&[State<D>], f64),
-    ) -> Option<Box<dyn Engine<D>>> {
-        let laws = LinkedLaws::by_each(networks, effects, starts, true)?;
-        let of = |lane: usize| if lane < effects.len() { effects[lane] } else { effects[0] };
-        let series =
-            SeriesLaws::of(&laws.1, series_in_lanes::of_each::<_, D, ROW>(of, starts.0.first()?.len())?)?;
-        Some(Box::new(LinkedProjected::new(
-            laws,
-            TaylorOfLinks { method: self.0, laws: Arc::new(series) },
-            self.1,
-        )))
+        let method = TaylorOfLinks { method: self.0, laws: Arc::new(SeriesLaws::of(&laws.1, series()?)?) };
+        Some(Box::new(LinkedProjected::new(laws, method, self.1)))
     }
 }
 
 /// Trajectories of linked bodies that are to go in rows.
-trait OfLinks<const D: usize> {
+pub(super) trait OfLinks<const D: usize> {
     /// Whether there are flows of momenta.
     const FLOWS: bool;
     /// The rows, moved by this method.
-    fn by<M: MovesLinks>(&self, method: &M) -> Groups<D>;
+    fn by<M: MovesLinks>(&self, method: &M, lanes: &HowInLanes) -> Groups<D>;
 }
 
-/// Those of one scene.
-struct InOneNetwork<'a, E, const D: usize> {
-    network: &'a Network<D>,
-    effects: &'a E,
-    starts: &'a [State<D>],
-    h: f64,
-    first: usize,
+/// Those of one scene: network, effects and starts.
+pub(super) struct InOneNetwork<'a, E, const D: usize>(
+    pub(super) &'a Network<D>,
+    pub(super) &'a E,
+    pub(super) &'a [State<D>],
+);
+
+impl<E: Effects<D>, const D: usize> InOneNetwork<'_, E, D> {
+    fn row<M: MovesLinks, const W: usize>(&self, method: &M, h: f64) -> Option<Box<dyn Engine<D>>>
+    where
+        Width: Wide<W>,
+    {
+        let Self(network, effects, starts) = *self;
+        let laws = LinkedLaws::<_, D, W>::by_all(network, effects, (starts, h), method.sums())?;
+        method.row(laws, || series_in_lanes::of_all(effects, starts[0].len()))
+    }
 }
 
 impl<E: Effects<D>, const D: usize> OfLinks<D> for InOneNetwork<'_, E, D> {
     const FLOWS: bool = E::Forces::<f64>::FLOWS > 0;
 
-    fn by<M: MovesLinks>(&self, method: &M) -> Groups<D> {
-        let Self { network, effects, starts, h, first } = *self;
-        let bodies = starts.first()?.len();
+    fn by<M: MovesLinks>(&self, method: &M, &HowInLanes { h, first, .. }: &HowInLanes) -> Groups<D> {
+        let starts = self.2;
         // Three rows of a few take less time than a full one.
-        let (row, width) = if starts.len() <= 3 * FEW || bodies * D > M::IN_WIDE_ROWS {
-            (method.all::<_, D, FEW>(network, effects, (starts, h))?, FEW)
+        let (row, width) = if starts.len() <= 3 * FEW || starts.first()?.len() * D > M::IN_WIDE_ROWS {
+            (self.row::<M, FEW>(method, h)?, FEW)
         } else {
-            (method.all::<_, D, ROW>(network, effects, (starts, h))?, ROW)
+            (self.row::<M, ROW>(method, h)?, ROW)
         };
         in_rows(width, starts, &|from, starts| Some(side_by_side(row.boxed(), first + from, starts)))
     }
 }
 
 /// Those of scenes of one type, each of a trajectory of its own.
-struct InNetworks<'a, E, const D: usize> {
-    networks: &'a [&'a Network<D>],
-    effects: &'a [&'a E],
-    starts: &'a [State<D>],
-    h: f64,
-    first: usize,
-}
+pub(super) struct InNetworks<'a, E, const D: usize>(
+    pub(super) &'a [&'a Network<D>],
+    pub(super) &'a [&'a E],
+    pub(super) &'a [State<D>],
+);
 
 impl<E: Effects<D> + 'static, const D: usize> OfLinks<D> for InNetworks<'_, E, D> {
     const FLOWS: bool = E::Forces::<f64>::FLOWS > 0;
 
-    fn by<M: MovesLinks>(&self, method: &M) -> Groups<D> {
-        let Self { networks, effects, starts, h, first } = *self;
+    fn by<M: MovesLinks>(&self, method: &M, &HowInLanes { h, first, .. }: &HowInLanes) -> Groups<D> {
+        let Self(networks, effects, starts) = *self;
         let bodies = starts.first()?.len();
         if starts.iter().any(|start| start.len() != bodies) {
             return None;
         }
         in_rows(ROW, starts, &|from, starts| {
             let own = from..from + starts.len();
-            let row = method.each(&networks[own.clone()], &effects[own], (starts, h))?;
+            let (networks, effects) = (&networks[own.clone()], &effects[own]);
+            let laws = LinkedLaws::by_each(networks, effects, (starts, h), method.sums())?;
+            let of = |lane: usize| if lane < effects.len() { effects[lane] } else { effects[0] };
+            let row = method.row(laws, || series_in_lanes::of_each::<_, D, ROW>(of, bodies))?;
             Some(side_by_side(row, first + from, starts))
         })
     }
 }
 
-/// The rows, moved as this method moves them.
-fn moved<P: Precision, S: Method, X: OfLinks<D>, const D: usize>(rows: &X, lanes: &HowInLanes) -> Groups<D> {
+/// The rows, moved as the method moves them.
+pub(super) fn linked<P: Precision, S: Method, X: OfLinks<D>, const D: usize>(
+    rows: &X,
+    lanes: &HowInLanes,
+) -> Groups<D> {
     let mover = const { mover::<P, S, X, D>() };
     mover(rows, lanes)
 }
@@ -221,36 +187,16 @@ const fn mover<P: Precision, S: Method, X: OfLinks<D>, const D: usize>() -> fn(&
     macro_rules! by_stages {
         ($($stages:literal)*) => {$(
             if S::COLLOCATES == $stages {
-                return |rows, lanes| rows.by(&(Lobatto::<$stages>::new(lanes.h), lanes.set));
+                return |rows, lanes| rows.by(&(Lobatto::<$stages>::new(lanes.h), lanes.set), lanes);
             }
         )*};
     }
     by_stages!(2 3 4 5 6 7 8 9);
     match S::PROJECTS {
-        Projecting::Dop853 => |rows, lanes| rows.by(&(lanes.dop853(), lanes.set)),
-        Projecting::Taylor => |rows, lanes| rows.by(&(lanes.taylor(), lanes.set)),
-        Projecting::Not => |rows, lanes| rows.by(&lanes.splits::<P, S>(X::FLOWS)),
+        Projecting::Dop853 => |rows, lanes| rows.by(&(lanes.dop853(), lanes.set), lanes),
+        Projecting::Taylor => |rows, lanes| rows.by(&(lanes.taylor(), lanes.set), lanes),
+        Projecting::Not => |rows, lanes| rows.by(&lanes.splits::<P, S>(X::FLOWS), lanes),
     }
-}
-
-/// Trajectories of linked bodies, no more than there are lanes, in rows.
-pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
-    network: &Network<D>,
-    effects: &E,
-    starts: &[State<D>],
-    lanes: &HowInLanes,
-) -> Groups<D> {
-    moved::<P, S, _, D>(&InOneNetwork { network, effects, starts, h: lanes.h, first: lanes.first }, lanes)
-}
-
-/// The same, each in a network and under effects of its own.
-pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, const D: usize>(
-    networks: &[&Network<D>],
-    effects: &[&E],
-    starts: &[State<D>],
-    lanes: &HowInLanes,
-) -> Groups<D> {
-    moved::<P, S, _, D>(&InNetworks { networks, effects, starts, h: lanes.h, first: lanes.first }, lanes)
 }
 
 /// Trajectories of rigid bodies, no more than there are lanes, in rows, in systems of one scene, or in scenes of their
@@ -308,8 +254,7 @@ pub(super) trait Turned {
     ) -> Option<Box<dyn Pulls<RigidRow<B>, W>>>;
 
     /// The same as power series; none where one has none.
-    #[allow(clippy::option_option, reason = "there are none, or none that have a series")]
-    fn series<const W: usize>(&self, from: usize, bodies: usize) -> Option<Option<Box<dyn PullsInSeries>>>;
+    fn series<const W: usize>(&self, from: usize, bodies: usize) -> MaybeSeries;
 }
 
 /// Those of one scene of bodies of D coordinates.
@@ -324,7 +269,7 @@ impl<E: Effects<D>, const D: usize> Turned for TurnedAlike<'_, E, D> {
         of_all(self.0, bodies)
     }
 
-    fn series<const W: usize>(&self, _: usize, bodies: usize) -> Option<Option<Box<dyn PullsInSeries>>> {
+    fn series<const W: usize>(&self, _: usize, bodies: usize) -> MaybeSeries {
         series_in_lanes::of_all(self.0, bodies)
     }
 }
@@ -341,7 +286,7 @@ impl<E: Effects<D> + 'static, const D: usize> Turned for TurnedApart<'_, E, D> {
         of_each(|lane| self.of(from, lane), bodies)
     }
 
-    fn series<const W: usize>(&self, from: usize, bodies: usize) -> Option<Option<Box<dyn PullsInSeries>>> {
+    fn series<const W: usize>(&self, from: usize, bodies: usize) -> MaybeSeries {
         series_in_lanes::of_each::<_, D, W>(|lane| self.of(from, lane), bodies)
     }
 }
