@@ -69,10 +69,6 @@ where
         1
     }
 
-    fn boxed(&self) -> Box<dyn Engine<D>> {
-        Box::new(self.clone())
-    }
-
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let going = Going { lanes: self, tour };
         let row = self.set.run_lanes::<L, _>(going)?;

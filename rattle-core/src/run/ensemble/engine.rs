@@ -109,13 +109,13 @@ pub(crate) trait Tour<const D: usize> {
 /// Trajectories in lanes, which know nothing of each other. It is also what tells of a lane what a sight asks.
 ///
 /// An object, so that keeping account of lanes is compiled once, whatever moves them.
-pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
+pub(in crate::run) trait Engine<const D: usize>:
+    Copied<D> + Source<D> + Any + Send + Sync
+{
     /// How many lanes there are.
     fn width(&self) -> usize;
     /// How many bodies a lane has.
     fn bodies_of_each(&self) -> usize;
-    /// A copy.
-    fn boxed(&self) -> Box<dyn Engine<D>>;
     /// The engine where its lanes are after a tour, or one or more lanes that cannot go on it; never any if the tour is
     /// of no steps.
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>>;
@@ -171,4 +171,22 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
     fn hallmarks(&self, lane: usize, looks: &Looks<D>) -> Vec<Hallmark>;
     /// What tells the method from others.
     fn method(&self) -> Hallmark;
+}
+
+/// Engines are copied as objects.
+pub(in crate::run) trait Copied<const D: usize> {
+    /// A copy.
+    fn boxed(&self) -> Box<dyn Engine<D>>;
+}
+
+impl<E: Engine<D> + Clone, const D: usize> Copied<D> for E {
+    fn boxed(&self) -> Box<dyn Engine<D>> {
+        Box::new(self.clone())
+    }
+}
+
+impl<const D: usize> Clone for Box<dyn Engine<D>> {
+    fn clone(&self) -> Self {
+        (**self).boxed()
+    }
 }

@@ -59,6 +59,12 @@ pub(super) trait Pulls<R: Rows<W>, const W: usize>: Send + Sync {
     fn copy(&mut self, from: usize, to: usize);
 }
 
+impl<R: Rows<W>, const W: usize> Clone for Box<dyn Pulls<R, W>> {
+    fn clone(&self) -> Self {
+        (**self).boxed()
+    }
+}
+
 /// Effects and their room.
 pub(super) trait Pulling<R: Rows<W>, const W: usize> {
     /// Has so many times their forces pull these bodies.

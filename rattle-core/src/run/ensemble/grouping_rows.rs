@@ -141,7 +141,7 @@ impl<E: Effects<D>, const D: usize> OfLinks<D> for InOneNetwork<'_, E, D> {
         } else {
             (self.row::<M, ROW>(method, h)?, ROW)
         };
-        in_rows(width, starts, &|from, starts| Some(side_by_side(row.boxed(), first + from, starts)))
+        in_rows(width, starts, &|from, starts| Some(side_by_side(row.clone(), first + from, starts)))
     }
 }
 

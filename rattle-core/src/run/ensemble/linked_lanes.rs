@@ -44,6 +44,7 @@ pub(super) struct Common {
 const ROUNDINGS: f64 = 16.0;
 
 /// A row of trajectories of linked bodies, moved by a splitting.
+#[derive(Clone)]
 pub(super) struct LinkedLanes<F, const D: usize, const W: usize> {
     common: Arc<Common>,
     obeyed: Arc<LinkedLaws<F, D, W>>,
@@ -63,14 +64,6 @@ struct Account {
     work: Vec<f64>,
     /// The speed beyond which it is asked at once whether other sheets are near.
     limits: Vec<f64>,
-}
-
-impl<F, const D: usize, const W: usize> Clone for LinkedLanes<F, D, W> {
-    fn clone(&self) -> Self {
-        let Self { common, obeyed, numbers, part, account, narrow } = self;
-        let (common, obeyed, narrow) = (common.clone(), obeyed.clone(), narrow.clone());
-        Self { common, obeyed, numbers: numbers.clone(), part: *part, account: account.clone(), narrow }
-    }
 }
 
 impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLanes<F, D, W> {
@@ -196,10 +189,6 @@ where
 
     fn divides(&self) -> bool {
         self.common.method.renewal.is_none()
-    }
-
-    fn boxed(&self) -> Box<dyn Engine<D>> {
-        Box::new(self.clone())
     }
 
     fn bodies_of_each(&self) -> usize {

@@ -90,6 +90,7 @@ impl<F: Forces<f64, D>, const D: usize> Law<F, D> {
 pub(super) type Narrow<F, const D: usize> = Option<Arc<Linked<F, Many, D>>>;
 
 /// What the lanes of a row obey.
+#[derive(Clone)]
 pub(super) struct LinkedLaws<F, const D: usize, const W: usize> {
     /// One for all lanes, or one for each.
     pub(super) laws: Vec<Law<F, D>>,
@@ -99,20 +100,6 @@ pub(super) struct LinkedLaws<F, const D: usize, const W: usize> {
     pub(super) over: Option<Vec<Numbers<W>>>,
     /// Flows, or momenta that are drawn anew.
     pub(super) stirring: Option<Box<RowStirring<W>>>,
-}
-
-impl<F: Clone, const D: usize, const W: usize> Clone for LinkedLaws<F, D, W> {
-    fn clone(&self) -> Self {
-        let Self { laws, links, pulls, over, stirring } = self;
-        let pulls = pulls.as_ref().map(|pulls| pulls.boxed());
-        Self {
-            laws: laws.clone(),
-            links: links.clone(),
-            pulls,
-            over: over.clone(),
-            stirring: stirring.clone(),
-        }
-    }
 }
 
 impl<F, const D: usize, const W: usize> LinkedLaws<F, D, W> {

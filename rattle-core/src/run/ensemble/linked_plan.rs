@@ -499,13 +499,8 @@ struct Piece<'a> {
 #[derive(Clone)]
 pub(super) struct Links<const W: usize>(Vec<OfOneKind<W>>);
 
-impl<const W: usize> Clone for OfOneKind<W> {
-    fn clone(&self) -> Self {
-        Self { links: self.links.boxed(), runs: self.runs.clone(), ..*self }
-    }
-}
-
 /// Links of one kind, and where what they give is written.
+#[derive(Clone)]
 struct OfOneKind<const W: usize> {
     links: Box<dyn RowLinks<W>>,
     /// Members, their first row and first entry.

@@ -139,6 +139,7 @@ impl ProjectsLinks for TaylorOfLinks {
 type Seen<'a, M, F, const D: usize> = View<'a, <M as ProjectsLinks>::Method, f64, Linked<F, Many, D>, D>;
 
 /// A row of trajectories of linked bodies.
+#[derive(Clone)]
 pub(super) struct LinkedProjected<M, F, const D: usize, const W: usize> {
     plan: Arc<LinkedPlan>,
     laws: Arc<LinkedLaws<F, D, W>>,
@@ -147,14 +148,6 @@ pub(super) struct LinkedProjected<M, F, const D: usize, const W: usize> {
     set: Fusing,
     /// By lane what answers for bodies that go by themselves since links nearly depend on each other.
     narrow: Vec<Narrow<F, D>>,
-}
-
-impl<M: Clone, F, const D: usize, const W: usize> Clone for LinkedProjected<M, F, D, W> {
-    fn clone(&self) -> Self {
-        let Self { plan, laws, kept, method, set, narrow } = self;
-        let (plan, laws, narrow) = (plan.clone(), laws.clone(), narrow.clone());
-        Self { plan, laws, kept: kept.clone(), method: method.clone(), set: *set, narrow }
-    }
 }
 
 impl<M: ProjectsLinks, F: Forces<f64, D>, const D: usize, const W: usize> LinkedProjected<M, F, D, W> {
@@ -244,10 +237,6 @@ where
 {
     fn width(&self) -> usize {
         W
-    }
-
-    fn boxed(&self) -> Box<dyn Engine<D>> {
-        Box::new(self.clone())
     }
 
     fn bodies_of_each(&self) -> usize {

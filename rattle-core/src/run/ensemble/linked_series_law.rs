@@ -9,19 +9,13 @@ use crate::systems::network::series_in_lanes::{LinkSeries, Run};
 use std::sync::Arc;
 
 /// Links and effects.
+#[derive(Clone)]
 pub(super) struct SeriesLaws {
     /// Links of all kinds: of all lanes, or of each few.
     links: Vec<Vec<Arc<dyn LinkSeries>>>,
     /// For each kind its runs, and the blocks of products that they take.
     pub(super) kinds: Vec<(Vec<Run>, usize)>,
     pub(super) pulls: Option<Box<dyn PullsInSeries>>,
-}
-
-impl Clone for SeriesLaws {
-    fn clone(&self) -> Self {
-        let pulls = self.pulls.as_ref().map(|pulls| pulls.boxed());
-        Self { links: self.links.clone(), kinds: self.kinds.clone(), pulls }
-    }
 }
 
 impl SeriesLaws {

@@ -109,10 +109,6 @@ where
         self.bodies.len()
     }
 
-    fn boxed(&self) -> Box<dyn Engine<D>> {
-        Box::new(self.clone())
-    }
-
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let (bodies, pace) = self.set.run_lanes::<ROW, _>(Going { lanes: self, tour })?;
         Ok(Box::new(Self { bodies, pace, ..self.clone() }))

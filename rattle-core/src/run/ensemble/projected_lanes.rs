@@ -93,10 +93,6 @@ where
         1
     }
 
-    fn boxed(&self) -> Box<dyn Engine<D>> {
-        Box::new(self.clone())
-    }
-
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let row = self.set.run(Going { lanes: self, tour })?;
         Ok(Box::new(Self { row, laws: self.laws.clone(), method: self.method.clone(), ..*self }))

@@ -87,10 +87,6 @@ where
         false
     }
 
-    fn boxed(&self) -> Box<dyn Engine<D>> {
-        Box::new(self.clone())
-    }
-
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let (block, limits) = self.set.run_lanes::<L, _>(Going { lanes: self, tour })?;
         let (laws, rhythm) = (self.laws.clone(), self.rhythm.clone());

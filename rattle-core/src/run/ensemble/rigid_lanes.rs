@@ -27,6 +27,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 /// A row of trajectories of rigid bodies, moved by a splitting. D is 9.
+#[derive(Clone)]
 pub(super) struct RigidLanes<Y, const D: usize, const W: usize> {
     laws: RigidLaws<Y, Rotor<W>, W>,
     bodies: Vec<Rotor<W>>,
@@ -37,20 +38,6 @@ pub(super) struct RigidLanes<Y, const D: usize, const W: usize> {
     guesses: Arc<[Weights]>,
     /// The part of the method's step that comes next.
     part: usize,
-}
-
-impl<Y, const D: usize, const W: usize> Clone for RigidLanes<Y, D, W> {
-    fn clone(&self) -> Self {
-        Self {
-            laws: self.laws.clone(),
-            bodies: self.bodies.clone(),
-            stirring: self.stirring.clone(),
-            work: self.work.clone(),
-            method: self.method.clone(),
-            guesses: self.guesses.clone(),
-            ..*self
-        }
-    }
 }
 
 impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
@@ -125,10 +112,6 @@ where
 
     fn divides(&self) -> bool {
         self.method.renewal.is_none()
-    }
-
-    fn boxed(&self) -> Box<dyn Engine<D>> {
-        Box::new(self.clone())
     }
 
     fn bodies_of_each(&self) -> usize {

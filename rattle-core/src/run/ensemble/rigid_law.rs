@@ -8,20 +8,14 @@ use std::array::from_fn;
 use std::sync::Arc;
 
 /// Systems of rigid bodies, and the same of their lanes: moments of inertia, and effects on rows of B.
-pub(super) struct RigidLaws<Y, B, const W: usize> {
+#[derive(Clone)]
+pub(super) struct RigidLaws<Y, B: Attitude<W>, const W: usize> {
     /// One for all lanes, or one for each.
     systems: Arc<[Y]>,
     /// Which of them each lane obeys.
     system: [usize; W],
     pub(super) inertia: Inertia<W>,
     pub(super) pulls: Option<Box<dyn Pulls<RigidRow<B>, W>>>,
-}
-
-impl<Y, B: Attitude<W>, const W: usize> Clone for RigidLaws<Y, B, W> {
-    fn clone(&self) -> Self {
-        let pulls = self.pulls.as_ref().map(|pulls| pulls.boxed());
-        Self { systems: self.systems.clone(), pulls, ..*self }
-    }
 }
 
 impl<Y, B: Attitude<W>, const W: usize> RigidLaws<Y, B, W> {

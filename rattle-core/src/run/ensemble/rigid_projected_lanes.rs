@@ -63,15 +63,10 @@ impl ProjectsRigid for Dop853 {
 }
 
 /// The method, and effects as power series.
+#[derive(Clone)]
 pub(super) struct TaylorOfRigid {
     pub(super) method: Taylor,
     pub(super) pulls: Option<Box<dyn PullsInSeries>>,
-}
-
-impl Clone for TaylorOfRigid {
-    fn clone(&self) -> Self {
-        Self { pulls: self.pulls.as_ref().map(|pulls| pulls.boxed()), ..*self }
-    }
 }
 
 impl ProjectsRigid for TaylorOfRigid {
@@ -94,19 +89,13 @@ impl ProjectsRigid for TaylorOfRigid {
 }
 
 /// A row of trajectories of rigid bodies. D is 9.
+#[derive(Clone)]
 pub(super) struct RigidProjected<M, Y, const D: usize> {
     laws: RigidLaws<Y, Nine<ROW>, ROW>,
     /// Attitudes and momenta.
     kept: State<ROW>,
     method: M,
     set: Fusing,
-}
-
-impl<M: Clone, Y, const D: usize> Clone for RigidProjected<M, Y, D> {
-    fn clone(&self) -> Self {
-        let Self { laws, kept, method, set } = self;
-        Self { laws: laws.clone(), kept: kept.clone(), method: method.clone(), set: *set }
-    }
 }
 
 /// What the method sees of a system.
@@ -168,10 +157,6 @@ fn numbers<const D: usize>(bodies: &[Body<f64, D>]) -> [Vec<f64>; 4] {
 impl<M: ProjectsRigid, Y: System<f64, D>, const D: usize> Engine<D> for RigidProjected<M, Y, D> {
     fn width(&self) -> usize {
         ROW
-    }
-
-    fn boxed(&self) -> Box<dyn Engine<D>> {
-        Box::new(self.clone())
     }
 
     fn bodies_of_each(&self) -> usize {

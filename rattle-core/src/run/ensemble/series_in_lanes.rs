@@ -20,6 +20,12 @@ pub(super) trait PullsInSeries: Send + Sync {
     fn copy(&mut self, from: usize, to: usize);
 }
 
+impl Clone for Box<dyn PullsInSeries> {
+    fn clone(&self) -> Self {
+        (**self).boxed()
+    }
+}
+
 /// Effects and their room.
 pub(super) trait PullingInSeries {
     /// Writes coefficient k of the forces in the few lanes of this number, from that of the coordinates of all bodies.

@@ -32,6 +32,7 @@ const CROWDED: u64 = 16 * STRETCH;
 const BILLED: u32 = 256;
 
 /// Trajectories in the lanes of an engine.
+#[derive(Clone)]
 pub(super) struct SideBySide<const D: usize> {
     pub(super) engine: Box<dyn Engine<D>>,
     /// An engine whose lanes obey what they did at first: once trajectories have ended, their lanes obey what others
@@ -78,19 +79,6 @@ pub(super) struct Ended<const D: usize> {
     pub(super) bodies: Vec<Body<f64, D>>,
     pub(super) work: f64,
     pub(super) failure: Error,
-}
-
-impl<const D: usize> Clone for SideBySide<D> {
-    fn clone(&self) -> Self {
-        Self {
-            engine: self.engine.boxed(),
-            at_first: self.at_first.as_ref().map(|engine| engine.boxed()),
-            start_time: self.start_time.clone(),
-            ended: self.ended.clone(),
-            own: self.own.clone(),
-            ..*self
-        }
-    }
 }
 
 impl<const D: usize> SideBySide<D> {
@@ -220,7 +208,7 @@ impl<const D: usize> SideBySide<D> {
     /// near, or, if it is a single step, in parts. False, and as if none were taken, where one of several cannot.
     /// `shown` says that the end will be.
     fn leg(&mut self, steps: u64, shown: bool) -> bool {
-        let before = (self.engine.boxed(), self.copy_of);
+        let before = (self.engine.clone(), self.copy_of);
         let (now, end, mut together) = (self.steps, self.steps + steps, self.moving);
         let (mut apart, mut fails) = (Vec::new(), false);
         let alone: Vec<_> =

@@ -108,7 +108,7 @@ impl<const D: usize> SideBySide<D> {
         for (lane, &draws) in draws.iter().enumerate().take(engine.width()) {
             engine.draw_as(lane, draws);
         }
-        let at_first = (!ended.is_empty()).then(|| engine.boxed());
+        let at_first = (!ended.is_empty()).then(|| engine.clone());
         for (to, &from) in
             copy_of.iter().enumerate().take(self.engine.width()).filter(|&(to, &from)| to != from)
         {

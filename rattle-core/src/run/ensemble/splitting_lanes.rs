@@ -93,10 +93,6 @@ where
         1
     }
 
-    fn boxed(&self) -> Box<dyn Engine<D>> {
-        Box::new(self.clone())
-    }
-
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let (block, account) = self.set.run_lanes::<L, _>(Going { lanes: self, tour })?;
         let (laws, stages, parts) = (self.laws.clone(), self.stages.clone(), self.parts.clone());

@@ -104,6 +104,12 @@ pub(crate) trait RowLinks<const W: usize>: Send + Sync {
     );
 }
 
+impl<const W: usize> Clone for Box<dyn RowLinks<W>> {
+    fn clone(&self) -> Self {
+        (**self).boxed()
+    }
+}
+
 /// Copies of one constraint between A bodies of D coordinates; K = A·D.
 #[derive(Clone)]
 pub(super) struct LinksInLanes<H, const K: usize, const M: usize, const A: usize, const D: usize> {
