@@ -5,7 +5,7 @@ use crate::kernel::kinks::{Kink, first_kink, sign_changes};
 use crate::kernel::over::short_name;
 use crate::kernel::series::AnyOrder;
 use crate::number::lanes::{Fused, side_by_side};
-use crate::systems::network::in_lanes::{FEW, LinksInLanes, Number, Numbers, ROW, RowLinks, SweptLinks};
+use crate::systems::network::in_lanes::{Alike, FEW, LinksInLanes, Number, Numbers, ROW, RowLinks, Swept};
 use crate::systems::network::places::{Evaluated, Places};
 use crate::systems::network::series_in_lanes::{LinkSeries, LinksInSeries};
 use std::any::Any;
@@ -146,8 +146,11 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
             in_lanes: |links| Box::new(links.fused::<C>()),
             in_few_lanes: |links| Box::new(links.fused::<C>()),
             swept: |links| {
-                let (kernels, members) = (Self::kernels_of::<C, ROW>(links), links[0].members.clone());
-                Box::new(SweptLinks::<C, K, M, A, D> { kernels, members })
+                let kernels = Self::kernels_of::<C, ROW>(links).into_iter().map(Swept::<C, K, M>);
+                Box::new(LinksInLanes::<_, K, M, A, D> {
+                    kernels: kernels.collect(),
+                    members: links[0].members.clone(),
+                })
             },
             in_series: |links| {
                 let (kernels, members) = (Self::kernels_of::<C, FEW>(links), links[0].members.clone());
@@ -175,8 +178,10 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
     }
 
     /// The same over numbers of lanes.
-    fn fused<C: Constraint<K, M, Kernel<f64> = G>>(&self) -> LinksInLanes<C::Kernel<Number>, K, M, A, D> {
-        let kernels = self.kernels.iter().map(|kernel| C::map_kernel(kernel, |&x| Fused(x)));
+    fn fused<C: Constraint<K, M, Kernel<f64> = G>>(
+        &self,
+    ) -> LinksInLanes<Alike<C::Kernel<Number>>, K, M, A, D> {
+        let kernels = self.kernels.iter().map(|kernel| Alike(C::map_kernel(kernel, |&x| Fused(x))));
         LinksInLanes { kernels: kernels.collect(), members: self.members.clone() }
     }
 

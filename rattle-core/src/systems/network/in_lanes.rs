@@ -110,18 +110,69 @@ impl<const W: usize> Clone for Box<dyn RowLinks<W>> {
     }
 }
 
+/// The kernel of a link in W lanes: the same in all, or of each its own.
+pub(crate) trait InLanes<const K: usize, const M: usize, const W: usize>:
+    Clone + Send + Sync + 'static
+{
+    type Kernel: ConstraintKernel<Number, K, M>;
+
+    /// That of a lane.
+    fn lane(&self, lane: usize) -> impl Borrow<Self::Kernel>;
+    /// Has lane `to` obey what lane `from` does.
+    fn copy(&mut self, _from: usize, _to: usize) {}
+}
+
+/// The same in all lanes.
+#[derive(Clone)]
+pub(super) struct Alike<H>(pub(super) H);
+
+impl<H: ConstraintKernel<Number, K, M>, const K: usize, const M: usize, const W: usize> InLanes<K, M, W>
+    for Alike<H>
+{
+    type Kernel = H;
+
+    #[inline(always)]
+    fn lane(&self, _: usize) -> impl Borrow<H> {
+        &self.0
+    }
+}
+
+/// With parameters of its own for each lane: numbers are lanes.
+pub(super) struct Swept<C: Constraint<K, M>, const K: usize, const M: usize>(
+    pub(super) C::Kernel<Numbers<ROW>>,
+);
+
+impl<C: Constraint<K, M>, const K: usize, const M: usize> Clone for Swept<C, K, M> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
+
+impl<C: Constraint<K, M>, const K: usize, const M: usize> InLanes<K, M, ROW> for Swept<C, K, M> {
+    type Kernel = C::Kernel<Number>;
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> impl Borrow<Self::Kernel> {
+        C::map_kernel(&self.0, |number| number.0[lane])
+    }
+    fn copy(&mut self, from: usize, to: usize) {
+        self.0 = C::map_kernel(&self.0, |number| number.copied(from, to));
+    }
+}
+
 /// Copies of one constraint between A bodies of D coordinates; K = A·D.
 #[derive(Clone)]
-pub(super) struct LinksInLanes<H, const K: usize, const M: usize, const A: usize, const D: usize> {
+pub(super) struct LinksInLanes<X, const K: usize, const M: usize, const A: usize, const D: usize> {
     /// One for all members, or one for each.
-    pub(super) kernels: Vec<H>,
+    pub(super) kernels: Vec<X>,
     pub(super) members: Vec<[usize; A]>,
 }
 
-impl<H: Clone, const K: usize, const M: usize, const A: usize, const D: usize> LinksInLanes<H, K, M, A, D> {
+impl<X: Clone, const K: usize, const M: usize, const A: usize, const D: usize> LinksInLanes<X, K, M, A, D> {
     /// A kernel of one's own, which is out of reach of what loops write.
     #[inline(always)]
-    fn kernel(&self, member: usize) -> H {
+    fn kernel(&self, member: usize) -> X {
         self.kernels[if self.kernels.len() == 1 { 0 } else { member }].clone()
     }
 }
@@ -135,13 +186,17 @@ fn places<'a, const K: usize, const A: usize, const D: usize, const W: usize>(
     from_fn(|k| &q[bodies[k / D] * D + k % D])
 }
 
-impl<H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> RowLinks<W>
-    for LinksInLanes<H, K, M, A, D>
+impl<X, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> RowLinks<W>
+    for LinksInLanes<X, K, M, A, D>
 where
-    H: ConstraintKernel<Number, K, M>,
+    X: InLanes<K, M, W>,
 {
     fn boxed(&self) -> Box<dyn RowLinks<W>> {
         Box::new(self.clone())
+    }
+
+    fn copy(&mut self, from: usize, to: usize) {
+        self.kernels.iter_mut().for_each(|kernel| kernel.copy(from, to));
     }
 
     fn gradients(
@@ -167,18 +222,18 @@ where
     }
 }
 
-struct Gradients<'a, H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> {
-    links: &'a LinksInLanes<H, K, M, A, D>,
+struct Gradients<'a, X, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> {
+    links: &'a LinksInLanes<X, K, M, A, D>,
     members: Range<usize>,
     q: &'a [Numbers<W>],
     g: &'a mut [Numbers<W>],
     gradients: &'a mut [Numbers<W>],
 }
 
-impl<H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> Work
-    for Gradients<'_, H, K, M, A, D, W>
+impl<X, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> Work
+    for Gradients<'_, X, K, M, A, D, W>
 where
-    H: ConstraintKernel<Number, K, M>,
+    X: InLanes<K, M, W>,
 {
     type Done = ();
 
@@ -187,19 +242,13 @@ where
         let Self { links, members, q, g, gradients } = self;
         let rows = gradients.as_chunks_mut::<K>().0.as_chunks_mut::<M>().0;
         for (member, (g, rows)) in members.zip(g.as_chunks_mut().0.iter_mut().zip(rows)) {
-            let kernel = links.kernel(member);
-            gradients_of::<H, &H, K, M, W>(
-                |_| &kernel,
-                places::<K, A, D, W>(&links.members[member], q),
-                g,
-                rows,
-            );
+            gradients_of(&links.kernel(member), places::<K, A, D, W>(&links.members[member], q), g, rows);
         }
     }
 }
 
-struct Bends<'a, H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> {
-    links: &'a LinksInLanes<H, K, M, A, D>,
+struct Bends<'a, X, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> {
+    links: &'a LinksInLanes<X, K, M, A, D>,
     members: Range<usize>,
     q: &'a [Numbers<W>],
     v: &'a [Numbers<W>],
@@ -207,10 +256,10 @@ struct Bends<'a, H, const K: usize, const M: usize, const A: usize, const D: usi
     turns: &'a mut [Numbers<W>],
 }
 
-impl<H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> Work
-    for Bends<'_, H, K, M, A, D, W>
+impl<X, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> Work
+    for Bends<'_, X, K, M, A, D, W>
 where
-    H: ConstraintKernel<Number, K, M>,
+    X: InLanes<K, M, W>,
 {
     type Done = ();
 
@@ -219,27 +268,23 @@ where
         let Self { links, members, q, v, bends, turns } = self;
         let rows = bends.as_chunks_mut::<M>().0.iter_mut().zip(turns.as_chunks_mut::<M>().0);
         for (member, (bends, turns)) in members.zip(rows) {
-            let (kernel, bodies) = (links.kernel(member), &links.members[member]);
-            let of = [q, v].map(|of| places::<K, A, D, W>(bodies, of));
-            bends_of::<H, &H, K, M, W>(|_| &kernel, of, bends, turns);
+            let of = [q, v].map(|of| places::<K, A, D, W>(&links.members[member], of));
+            bends_of(&links.kernel(member), of, bends, turns);
         }
     }
 }
 
 /// See [`gradients_of`].
 #[inline(always)]
-fn bends_of<H, B, const K: usize, const M: usize, const W: usize>(
-    kernel: impl Fn(usize) -> B,
+fn bends_of<X: InLanes<K, M, W>, const K: usize, const M: usize, const W: usize>(
+    kernel: &X,
     [q, v]: [[&Numbers<W>; K]; 2],
     bends: &mut [Numbers<W>; M],
     turns: &mut [Numbers<W>; M],
-) where
-    H: ConstraintKernel<Number, K, M>,
-    B: Borrow<H>,
-{
+) {
     for l in 0..W {
         let direction = from_fn(|k| v[k].0[l]);
-        let rows = kernel(l).borrow().hessian_vector(&from_fn(|k| q[k].0[l]), &direction);
+        let rows = kernel.lane(l).borrow().hessian_vector(&from_fn(|k| q[k].0[l]), &direction);
         for i in 0..M {
             (bends[i].0[l], turns[i].0[l]) = (dot(&rows[i], &direction), dot(&rows[i], &rows[i]));
         }
@@ -248,134 +293,19 @@ fn bends_of<H, B, const K: usize, const M: usize, const W: usize>(
 
 /// One member. Arguments of a function are known not to overlap, so that the loop becomes one over vectors.
 #[inline(always)]
-fn gradients_of<H, B, const K: usize, const M: usize, const W: usize>(
-    kernel: impl Fn(usize) -> B,
+fn gradients_of<X: InLanes<K, M, W>, const K: usize, const M: usize, const W: usize>(
+    kernel: &X,
     q: [&Numbers<W>; K],
     g: &mut [Numbers<W>; M],
     rows: &mut [[Numbers<W>; K]; M],
-) where
-    H: ConstraintKernel<Number, K, M>,
-    B: Borrow<H>,
-{
+) {
     for l in 0..W {
-        let (values, gradients) = kernel(l).borrow().value_and_jacobian(&from_fn(|k| q[k].0[l]));
+        let (values, gradients) = kernel.lane(l).borrow().value_and_jacobian(&from_fn(|k| q[k].0[l]));
         for i in 0..M {
             g[i].0[l] = values[i];
             for k in 0..K {
                 rows[i][k].0[l] = gradients[i][k];
             }
-        }
-    }
-}
-
-/// The same with parameters of its own for each lane: a kernel for each member, whose numbers are lanes.
-pub(super) struct SweptLinks<
-    C: Constraint<K, M>,
-    const K: usize,
-    const M: usize,
-    const A: usize,
-    const D: usize,
-> {
-    pub(super) kernels: Vec<C::Kernel<Numbers<ROW>>>,
-    pub(super) members: Vec<[usize; A]>,
-}
-
-impl<C, const K: usize, const M: usize, const A: usize, const D: usize> RowLinks<ROW>
-    for SweptLinks<C, K, M, A, D>
-where
-    C: Constraint<K, M>,
-{
-    fn boxed(&self) -> Box<dyn RowLinks<ROW>> {
-        Box::new(Self { kernels: self.kernels.clone(), members: self.members.clone() })
-    }
-
-    fn copy(&mut self, from: usize, to: usize) {
-        for kernel in &mut self.kernels {
-            *kernel = C::map_kernel(kernel, |number| number.copied(from, to));
-        }
-    }
-
-    fn gradients(
-        &self,
-        set: Fusing,
-        members: Range<usize>,
-        q: &[Numbers<ROW>],
-        g: &mut [Numbers<ROW>],
-        gradients: &mut [Numbers<ROW>],
-    ) {
-        set.run(SweptGradients { links: self, members, q, g, gradients });
-    }
-
-    fn bends(
-        &self,
-        set: Fusing,
-        members: Range<usize>,
-        [q, v]: [&[Numbers<ROW>]; 2],
-        bends: &mut [Numbers<ROW>],
-        turns: &mut [Numbers<ROW>],
-    ) {
-        set.run(SweptBends { links: self, members, q, v, bends, turns });
-    }
-}
-
-struct SweptGradients<'a, C: Constraint<K, M>, const K: usize, const M: usize, const A: usize, const D: usize>
-{
-    links: &'a SweptLinks<C, K, M, A, D>,
-    members: Range<usize>,
-    q: &'a [Numbers<ROW>],
-    g: &'a mut [Numbers<ROW>],
-    gradients: &'a mut [Numbers<ROW>],
-}
-
-impl<C: Constraint<K, M>, const K: usize, const M: usize, const A: usize, const D: usize> Work
-    for SweptGradients<'_, C, K, M, A, D>
-{
-    type Done = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { links: SweptLinks { kernels, members: all }, members, q, g, gradients } = self;
-        let rows = gradients.as_chunks_mut::<K>().0.as_chunks_mut::<M>().0;
-        for (member, (g, rows)) in members.zip(g.as_chunks_mut().0.iter_mut().zip(rows)) {
-            let kernel = kernels[if kernels.len() == 1 { 0 } else { member }].clone();
-            let places = places::<K, A, D, ROW>(&all[member], q);
-            gradients_of::<C::Kernel<Number>, _, K, M, ROW>(
-                |lane| C::map_kernel(&kernel, |number| number.0[lane]),
-                places,
-                g,
-                rows,
-            );
-        }
-    }
-}
-
-struct SweptBends<'a, C: Constraint<K, M>, const K: usize, const M: usize, const A: usize, const D: usize> {
-    links: &'a SweptLinks<C, K, M, A, D>,
-    members: Range<usize>,
-    q: &'a [Numbers<ROW>],
-    v: &'a [Numbers<ROW>],
-    bends: &'a mut [Numbers<ROW>],
-    turns: &'a mut [Numbers<ROW>],
-}
-
-impl<C: Constraint<K, M>, const K: usize, const M: usize, const A: usize, const D: usize> Work
-    for SweptBends<'_, C, K, M, A, D>
-{
-    type Done = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { links: SweptLinks { kernels, members: all }, members, q, v, bends, turns } = self;
-        let rows = bends.as_chunks_mut::<M>().0.iter_mut().zip(turns.as_chunks_mut::<M>().0);
-        for (member, (bends, turns)) in members.zip(rows) {
-            let kernel = kernels[if kernels.len() == 1 { 0 } else { member }].clone();
-            let of = [q, v].map(|of| places::<K, A, D, ROW>(&all[member], of));
-            bends_of::<C::Kernel<Number>, _, K, M, ROW>(
-                |lane| C::map_kernel(&kernel, |number| number.0[lane]),
-                of,
-                bends,
-                turns,
-            );
         }
     }
 }
