@@ -23,7 +23,7 @@ use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
 use crate::motion::record::{Reading, Record};
-use crate::number::instructions::{Fusing, Work};
+use crate::number::instructions::Work;
 use crate::number::lanes::{Lane, is_finite};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
@@ -441,7 +441,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
     }
 }
 
-/// A block and what its lanes obey, of which one lane is set or shown: by narrow instructions, which fuse.
+/// A block and what its lanes obey, of which one lane is set or shown: as narrow work, which fuses.
 pub(super) struct OfLane<'a, B, X> {
     pub(super) block: B,
     pub(super) lane: usize,
@@ -449,64 +449,9 @@ pub(super) struct OfLane<'a, B, X> {
     pub(super) parts: &'a [Part],
 }
 
-impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>
-    OfLane<'_, &mut Block<S, L, D, SUMS, EQUAL>, X>
-where
-    S: Lane,
-    X: Laws<S, D>,
-{
-    /// [Puts](Block::set) a body there; returns whether the lane can hold it, and whether what is shown of its momentum
-    /// are numbers.
-    pub(super) fn set(self, body: &Body<f64, D>, set: Fusing) -> [bool; 2] {
-        set.run_narrow(Setting(self, body.map(S::from_f64)))
-    }
-}
-
-impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>
-    OfLane<'_, &Block<S, L, D, SUMS, EQUAL>, X>
-where
-    S: Lane,
-    X: Laws<S, D>,
-{
-    /// The body there.
-    pub(super) fn body(self, set: Fusing) -> Body<f64, D> {
-        set.run_narrow(Showing(self))
-    }
-}
-
-/// See [`OfLane::set`].
-struct Setting<'a, 'b, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    OfLane<'a, &'b mut Block<S, L, D, SUMS, EQUAL>, X>,
-    Body<S, D>,
-);
-
+/// Shows the body there.
 impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
-    for Setting<'_, '_, S, X, L, D, SUMS, EQUAL>
-where
-    S: Lane,
-    X: Laws<S, D>,
-{
-    type Done = [bool; 2];
-
-    #[inline(always)]
-    fn run(self) -> [bool; 2] {
-        let Self(OfLane { block, lane, laws, parts }, Body { q, q_low, p, p_low }) = self;
-        let holds = block.set(lane, laws, parts, [q, q_low], [p, p_low]);
-        let mut numbers = true;
-        for p in block.momentum(lane, laws, parts)[0] {
-            numbers &= is_finite(p);
-        }
-        [holds, numbers]
-    }
-}
-
-/// See [`OfLane::body`].
-struct Showing<'a, 'b, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    OfLane<'a, &'b Block<S, L, D, SUMS, EQUAL>, X>,
-);
-
-impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
-    for Showing<'_, '_, S, X, L, D, SUMS, EQUAL>
+    for OfLane<'_, &Block<S, L, D, SUMS, EQUAL>, X>
 where
     S: Lane,
     X: Laws<S, D>,
@@ -515,8 +460,30 @@ where
 
     #[inline(always)]
     fn run(self) -> Body<f64, D> {
-        let Self(OfLane { block, lane, laws, parts }) = self;
+        let Self { block, lane, laws, parts } = self;
         block.body(lane, laws, parts).map(S::to_f64)
+    }
+}
+
+/// [Puts](Block::set) a body there; returns whether the lane can hold it, and whether what is shown of its momentum
+/// are numbers.
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
+    for (OfLane<'_, &mut Block<S, L, D, SUMS, EQUAL>, X>, Body<S, D>)
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    type Done = [bool; 2];
+
+    #[inline(always)]
+    fn run(self) -> [bool; 2] {
+        let (OfLane { block, lane, laws, parts }, Body { q, q_low, p, p_low }) = self;
+        let holds = block.set(lane, laws, parts, [q, q_low], [p, p_low]);
+        let mut numbers = true;
+        for p in block.momentum(lane, laws, parts)[0] {
+            numbers &= is_finite(p);
+        }
+        [holds, numbers]
     }
 }
 

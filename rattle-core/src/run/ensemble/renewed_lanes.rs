@@ -97,7 +97,7 @@ where
         self.limits[lane] = 0.0;
         let of = OfLane { block: &mut self.block, lane, laws: &self.laws, parts: &[self.drift] };
         // Momenta of a start are nothing to its first step, but are shown before it.
-        let [_, numbers] = of.set(&bodies[0], self.set);
+        let [_, numbers] = self.set.run_narrow((of, bodies[0].map(S::from_f64)));
         numbers
     }
 
@@ -123,7 +123,7 @@ where
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
         let of = OfLane { block: &self.block, lane, laws: &self.laws, parts: &[self.drift] };
-        vec![of.body(self.set)]
+        vec![self.set.run_narrow(of)]
     }
 
     fn by_itself(

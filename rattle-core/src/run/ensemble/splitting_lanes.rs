@@ -101,7 +101,7 @@ where
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
         let of = OfLane { block: &mut self.block, lane, laws: &self.laws, parts: &self.parts };
-        let fits = of.set(&bodies[0], self.set) == [true; 2];
+        let fits = self.set.run_narrow((of, bodies[0].map(S::from_f64))) == [true; 2];
         if const { X::Forces::FLOWS > 0 } {
             self.book(lane, self.account.work[lane]);
         }
@@ -152,7 +152,7 @@ where
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
         let of = OfLane { block: &self.block, lane, laws: &self.laws, parts: &self.parts };
-        vec![of.body(self.set)]
+        vec![self.set.run_narrow(of)]
     }
 
     fn by_itself(
