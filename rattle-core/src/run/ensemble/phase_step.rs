@@ -149,29 +149,9 @@ fn drift<const D: usize, const M: usize>(
     h: f64,
     scratch: &mut Scratch<D, M>,
 ) {
-    let Scratch {
-        slide,
-        leap,
-        sigma,
-        correction,
-        kicked,
-        fibre,
-        small,
-        change,
-        at: place,
-        reach,
-        value,
-        size,
-        extent,
-        gradients,
-        slopes,
-        first,
-        off,
-        corrected,
-        roundings,
-        going,
-        ..
-    } = scratch;
+    let Scratch { slide, leap, sigma, correction, kicked, fibre, small, change, .. } = scratch;
+    let Scratch { at: place, reach, value, size, extent, gradients, slopes, .. } = scratch;
+    let Scratch { first, off, corrected, roundings, going, .. } = scratch;
     (*corrected, *roundings) = (ZEROS, [Fused(f64::INFINITY); ROW]);
     for number in 0..MOST_LOOKS {
         slide.slide(laws, &row.high, sigma, going);
@@ -202,24 +182,8 @@ fn drift<const D: usize, const M: usize>(
 /// From there to {g, H} = 0; with N at the end.
 #[inline(always)]
 fn settle<const D: usize, const M: usize>(laws: &impl Laws<D, M>, scratch: &mut Scratch<D, M>) {
-    let Scratch {
-        slide,
-        sigma,
-        correction,
-        at: place,
-        reach,
-        value,
-        size,
-        extent,
-        gradients,
-        energy,
-        slopes,
-        corrected,
-        roundings,
-        going,
-        middle,
-        ..
-    } = scratch;
+    let Scratch { slide, sigma, correction, at: place, reach, value, size, extent, .. } = scratch;
+    let Scratch { gradients, energy, slopes, corrected, roundings, going, middle, .. } = scratch;
     for l in 0..ROW {
         going[l] = Real::select(going[l].lt(Fused(0.0)), going[l], Fused(GOES));
     }

@@ -50,22 +50,8 @@ pub(super) fn advance<S, const L: usize, const D: usize, const SUMS: usize, cons
 where
     S: Lane,
 {
-    let Scratch {
-        place,
-        away,
-        rest,
-        normal,
-        residual,
-        matrix,
-        moved,
-        before,
-        rates,
-        size,
-        counts,
-        path,
-        going,
-        end,
-    } = scratch;
+    let Scratch { place, away, rest, normal, residual, matrix, moved, .. } = scratch;
+    let Scratch { before, rates, size, counts, path, going, end, .. } = scratch;
     for d in 0..D {
         begin(tableau, d, row, place, counts, path);
     }
