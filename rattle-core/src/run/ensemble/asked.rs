@@ -80,40 +80,44 @@ fn of_precision<S: Lane, const SUMS: usize>() -> Hallmark {
     Hallmark::of_parameters("precision", precision, Vec::new()).later()
 }
 
-/// Potential energy of a body that obeys what a lane does, where and when this sight shows it.
-pub(super) fn potential<S: Lane, const D: usize>(
-    laws: &impl Laws<S, D>,
-    lane: usize,
-    sight: &Sight<'_, D>,
-) -> f64 {
-    let at = Moment { time: sight.time, positions: &[own(sight.position())] };
-    laws.effects(lane).borrow().energy(at).to_f64()
+/// What a sight asks of a body that obeys what a lane does: where, when and as it is shown.
+pub(super) trait Answers<S: Lane, const D: usize>: Laws<S, D> {
+    /// Potential energy.
+    fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
+        let at = Moment { time: sight.time, positions: &[own(sight.position())] };
+        self.effects(lane).borrow().energy(at).to_f64()
+    }
+
+    /// U of each effect.
+    fn effect_energies(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
+        let mut energies = Vec::new();
+        let at = Moment { time: sight.time, positions: &[own(sight.position())] };
+        self.effects(lane).borrow().energies(at, &mut energies);
+        numbers(&energies)
+    }
+
+    /// g.
+    fn residual(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
+        let [g] = self.constraint(lane).borrow().value(&own(sight.position()));
+        g.to_f64()
+    }
+
+    /// The multiplier and the force of the constraint.
+    fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
+        let (lambda, [constraint, _]) = forces_there(self, lane, sight);
+        (vec![lambda.to_f64()], vec![constraint.map(|x| x.to_f64()).into()])
+    }
+
+    /// q̇ and ṗ.
+    fn rates(&self, lane: usize, sight: &Sight<'_, D>) -> [Vec<SVector<f64, D>>; 2] {
+        let (_, [constraint, force]) = forces_there(self, lane, sight);
+        [vec![sight.momentum()], vec![sum(&constraint, &force).map(|x| x.to_f64()).into()]]
+    }
 }
 
-/// U of each effect on such a body.
-pub(super) fn effect_energies<S: Lane, const D: usize>(
-    laws: &impl Laws<S, D>,
-    lane: usize,
-    sight: &Sight<'_, D>,
-) -> Vec<f64> {
-    let mut energies = Vec::new();
-    let at = Moment { time: sight.time, positions: &[own(sight.position())] };
-    laws.effects(lane).borrow().energies(at, &mut energies);
-    numbers(&energies)
-}
+impl<S: Lane, X: Laws<S, D>, const D: usize> Answers<S, D> for X {}
 
-/// g there.
-pub(super) fn residual<S: Lane, const D: usize>(
-    laws: &impl Laws<S, D>,
-    lane: usize,
-    sight: &Sight<'_, D>,
-) -> f64 {
-    let [g] = laws.constraint(lane).borrow().value(&own(sight.position()));
-    g.to_f64()
-}
-
-/// The multiplier, the force of the constraint, and that of effects, on a body that obeys what a lane does, where, when
-/// and as this sight shows it.
+/// The multiplier, the force of the constraint, and that of effects.
 fn forces_there<S: Lane, const D: usize>(
     laws: &impl Laws<S, D>,
     lane: usize,
@@ -127,26 +131,6 @@ fn forces_there<S: Lane, const D: usize>(
     effects.evaluate(at, &mut effects.room(1), &mut force);
     let lambda = multiplier_from_curvature(bend, force[0].dot(&gradient, S::from_f64(1.0)), &normal);
     (lambda, [scaled(lambda, &gradient), force[0].components()])
-}
-
-/// The multiplier and the force of the constraint there.
-pub(super) fn constraints<S: Lane, const D: usize>(
-    laws: &impl Laws<S, D>,
-    lane: usize,
-    sight: &Sight<'_, D>,
-) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-    let (lambda, [constraint, _]) = forces_there(laws, lane, sight);
-    (vec![lambda.to_f64()], vec![constraint.map(|x| x.to_f64()).into()])
-}
-
-/// q̇ and ṗ there.
-pub(super) fn rates<S: Lane, const D: usize>(
-    laws: &impl Laws<S, D>,
-    lane: usize,
-    sight: &Sight<'_, D>,
-) -> [Vec<SVector<f64, D>>; 2] {
-    let (_, [constraint, force]) = forces_there(laws, lane, sight);
-    [vec![sight.momentum()], vec![sum(&constraint, &force).map(|x| x.to_f64()).into()]]
 }
 
 /// |p|².
@@ -169,6 +153,8 @@ macro_rules! answered_by_laws {
         answered_by_laws!(@$engine, [$last], $last);
     };
     (@$engine:ident, [$($parameter:tt)*], $($last:ident)?) => {
+        use $crate::run::ensemble::asked::Answers as _;
+
         impl<S, X, const L: usize, const D: usize, const SUMS: usize, $($parameter)*>
             $crate::run::watch::sight::Source<D> for $engine<S, X, L, D, SUMS, $($last)?>
         where
@@ -177,7 +163,7 @@ macro_rules! answered_by_laws {
         {
             fn energies(&self, lane: usize, sight: &$crate::run::watch::Sight<'_, D>) -> [f64; 2] {
                 let kinetic = 0.5 * $crate::run::ensemble::asked::square(sight);
-                [kinetic, $crate::run::ensemble::asked::potential(&self.laws, lane, sight)]
+                [kinetic, self.laws.potential(lane, sight)]
             }
 
             fn constraints(
@@ -185,7 +171,7 @@ macro_rules! answered_by_laws {
                 lane: usize,
                 sight: &$crate::run::watch::Sight<'_, D>,
             ) -> (Vec<f64>, Vec<nalgebra::SVector<f64, D>>) {
-                $crate::run::ensemble::asked::constraints(&self.laws, lane, sight)
+                self.laws.constraints(lane, sight)
             }
 
             fn rates(
@@ -193,15 +179,15 @@ macro_rules! answered_by_laws {
                 lane: usize,
                 sight: &$crate::run::watch::Sight<'_, D>,
             ) -> [Vec<nalgebra::SVector<f64, D>>; 2] {
-                $crate::run::ensemble::asked::rates(&self.laws, lane, sight)
+                self.laws.rates(lane, sight)
             }
 
             fn effect_energies(&self, lane: usize, sight: &$crate::run::watch::Sight<'_, D>) -> Vec<f64> {
-                $crate::run::ensemble::asked::effect_energies(&self.laws, lane, sight)
+                self.laws.effect_energies(lane, sight)
             }
 
             fn residuals(&self, lane: usize, sight: &$crate::run::watch::Sight<'_, D>) -> Vec<f64> {
-                vec![$crate::run::ensemble::asked::residual(&self.laws, lane, sight)]
+                vec![self.laws.residual(lane, sight)]
             }
 
             fn temperature(&self, _: usize, sight: &$crate::run::watch::Sight<'_, D>) -> f64 {
