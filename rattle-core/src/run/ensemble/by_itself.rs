@@ -7,7 +7,10 @@ use crate::motion::method::{Method, View};
 use crate::motion::parts::BodiesOf;
 use crate::motion::system::System;
 use crate::run::ensemble::engine::{Moved, OwnSteps};
-use crate::run::ensemble::splitting_lanes::compare_lane;
+use crate::run::ensemble::renewed_lanes;
+use crate::run::ensemble::rhythm::Rhythm;
+use crate::run::ensemble::splits::Splits;
+use crate::run::ensemble::splitting_lanes::{StirredAlone, by_itself, compare_lane};
 use crate::run::trouble::Trouble;
 
 /// These bodies of a system in this room, which is made where there is none.
@@ -83,4 +86,32 @@ pub(super) fn steps<S: Method, Y: System<f64, D>, const D: usize>(
         }
     }
     Ok((bodies.all(), 0.0))
+}
+
+/// Where bodies are after these steps of a splitting; in this rhythm, if flows act or momenta are drawn anew, with the
+/// numbers of this lane and the work on it since the start.
+///
+/// # Errors
+/// Those of a step, or that it cannot be taken back.
+pub(super) fn split<Y: System<f64, D>, const D: usize, const W: usize>(
+    system: &Y,
+    Splits { stages, h, renewal, .. }: &Splits,
+    rhythm: Option<&Rhythm<W>>,
+    (lane, work): (usize, Option<f64>),
+    bodies: &[Body<f64, D>],
+    steps: OwnSteps,
+    place: &mut u64,
+) -> Result<Moved<D>, Trouble> {
+    if let (&Some(renewal), Some(rhythm)) = (renewal, rhythm) {
+        let noise = |step| rhythm.noise(lane, steps.from + step);
+        return Ok(renewed_lanes::by_itself(system, renewal, *h, &noise, steps.number, bodies)?);
+    }
+    if const { Y::FLOWS > 0 }
+        && let Some(rhythm) = rhythm
+    {
+        let at = |step| (rhythm.noise(lane, steps.from + step), rhythm.now(lane, steps.from + step));
+        let stirred = StirredAlone { after: rhythm.after, at: &at, place, work: work.unwrap_or_default() };
+        return by_itself(system, stages, Some(stirred), steps, bodies);
+    }
+    by_itself(system, stages, None, steps, bodies)
 }

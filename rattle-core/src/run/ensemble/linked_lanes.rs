@@ -10,7 +10,7 @@ use crate::motion::witness::Whoever;
 use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
-use crate::run::ensemble::by_itself::placed;
+use crate::run::ensemble::by_itself::{placed, split};
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::lane_record::{read_all, write_all};
@@ -20,9 +20,7 @@ use crate::run::ensemble::linked_plan::{LinkedPlan, Places};
 use crate::run::ensemble::linked_row::{Course, LinkedRow, at_rest};
 use crate::run::ensemble::linked_stirred::StirredSteps;
 use crate::run::ensemble::linked_stirring::RowStirring;
-use crate::run::ensemble::renewed_lanes;
 use crate::run::ensemble::splits::Splits;
-use crate::run::ensemble::splitting_lanes::{StirredAlone, by_itself};
 use crate::run::ensemble::stirred::LARGER;
 use crate::run::fingerprint::{Looks, of_lane};
 use crate::run::trouble::Trouble;
@@ -392,25 +390,9 @@ where
         let law = self.law(lane);
         let ready = law.ready(bodies, self.common.method.h);
         let system = ready.as_ref().unwrap_or(&law.system);
-        let Splits { stages, h, renewal, .. } = &self.common.method;
-        if let Some(renewal) = *renewal
-            && let Some(stirring) = &self.obeyed.stirring
-        {
-            let noise = |step| stirring.rhythm.noise(lane, steps.from + step);
-            return Ok(renewed_lanes::by_itself::<f64, _, D>(
-                system, renewal, *h, &noise, steps.number, bodies,
-            )?);
-        }
-        if const { F::FLOWS > 0 }
-            && let Some(stirring) = &self.obeyed.stirring
-        {
-            let rhythm = &stirring.rhythm;
-            let at = |step| (rhythm.noise(lane, steps.from + step), rhythm.now(lane, steps.from + step));
-            let (after, work) = (rhythm.after, self.account.work[lane]);
-            let stirred = StirredAlone { after, at: &at, place, work };
-            return by_itself::<f64, _, D>(system, stages, Some(stirred), steps, bodies);
-        }
-        by_itself::<f64, _, D>(system, stages, None, steps, bodies)
+        let rhythm = self.obeyed.stirring.as_ref().map(|stirring| &stirring.rhythm);
+        let lane = (lane, self.work(lane));
+        split(system, &self.common.method, rhythm, lane, bodies, steps, place)
     }
 
     fn kick_alone(&self, steps: u32) {

@@ -7,17 +7,16 @@ use crate::motion::system::System;
 use crate::number::lanes::Fused;
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
+use crate::run::ensemble::by_itself::split;
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::lane_record::{read_all, write_all};
 use crate::run::ensemble::linked_going::Width;
-use crate::run::ensemble::renewed_lanes;
 use crate::run::ensemble::rigid_going::Turns;
 use crate::run::ensemble::rigid_law::RigidLaws;
 use crate::run::ensemble::rigid_row::{Course, RigidRow, Rotor, Steps, Three, Weights, push};
 use crate::run::ensemble::rigid_stirring::{Question, RotorStirring, StirredSteps, answer};
 use crate::run::ensemble::splits::Splits;
-use crate::run::ensemble::splitting_lanes::{StirredAlone, by_itself};
 use crate::run::fingerprint::{Looks, of_lane};
 use crate::run::trouble::Trouble;
 use crate::systems::network::in_lanes::{at, put, zeros};
@@ -232,22 +231,9 @@ where
         steps: OwnSteps,
         place: &mut u64,
     ) -> Result<Moved<D>, Trouble> {
-        let (system, stages) = (self.system(lane), &self.method.stages);
-        if let (Some(renewal), Some(stirring)) = (self.method.renewal, &self.stirring) {
-            let noise = |step| stirring.rhythm.noise(lane, steps.from + step);
-            return Ok(renewed_lanes::by_itself::<f64, _, D>(
-                system, renewal, self.method.h, &noise, steps.number, bodies,
-            )?);
-        }
-        if const { Y::FLOWS > 0 }
-            && let Some(stirring) = &self.stirring
-        {
-            let rhythm = &stirring.rhythm;
-            let at = |step| (rhythm.noise(lane, steps.from + step), rhythm.now(lane, steps.from + step));
-            let stirred = StirredAlone { after: rhythm.after, at: &at, place, work: self.work[lane] };
-            return by_itself::<f64, _, D>(system, stages, Some(stirred), steps, bodies);
-        }
-        by_itself::<f64, _, D>(system, stages, None, steps, bodies)
+        let rhythm = self.stirring.as_ref().map(|stirring| &stirring.rhythm);
+        let of = (lane, self.work(lane));
+        split(self.system(lane), &self.method, rhythm, of, bodies, steps, place)
     }
 
     fn kick_alone(&self, steps: u32) {
