@@ -65,10 +65,6 @@ where
         L
     }
 
-    fn bodies_of_each(&self) -> usize {
-        1
-    }
-
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let going = Going { lanes: self, tour };
         let row = self.set.run_lanes::<L, _>(going)?;

@@ -115,7 +115,9 @@ pub(in crate::run) trait Engine<const D: usize>:
     /// How many lanes there are.
     fn width(&self) -> usize;
     /// How many bodies a lane has.
-    fn bodies_of_each(&self) -> usize;
+    fn bodies_of_each(&self) -> usize {
+        1
+    }
     /// The engine where its lanes are after a tour, or one or more lanes that cannot go on it; never any if the tour is
     /// of no steps.
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>>;

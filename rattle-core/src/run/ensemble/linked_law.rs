@@ -1,9 +1,7 @@
 //! What trajectories of linked bodies obey, as a simulation does.
 
-use crate::effect::interval::Half;
 use crate::effect::list::{Effects, Forces};
 use crate::effect::moment::Moment;
-use crate::effect::noise::Noise;
 use crate::motion::bodies::{Body, Many};
 use crate::motion::parts::{Given, Parts};
 use crate::motion::state::State;
@@ -222,21 +220,19 @@ pub(super) fn answer<'a, F: Forces<f64, D>, const D: usize, const W: usize>(
     law: impl Fn(usize) -> &'a Law<F, D>,
     freedom: usize,
     stirring: &RowStirring<W>,
-    Question { number, half, place, steps, lanes: asked, q, v }: Question<'_, W>,
+    Question { turn, lanes: asked, q, v }: Question<'_, W>,
     changes: &mut [Numbers<W>],
 ) {
     for lane in (0..W).filter(|&lane| asked[lane] != 0) {
         let Law { system, masses, .. } = law(lane);
-        let noise = Noise { effect: number as u64, place, ..stirring.rhythm.noise(lane, steps) };
         let [positions, velocities] = [q, v].map(|rows| vectors(rows, lane, |_, x| x.0));
         let momenta: Vec<[f64; D]> = vectors(v, lane, |c, x| masses[c][0] * x.0);
-        let rhythm = &stirring.rhythm;
-        let time = rhythm.now(lane, steps) + rhythm.passed(half);
-        let given = Given { velocities: &velocities, ..Given::of(rhythm.time, half == Half::Before, noise) };
+        let given = Given { velocities: &velocities, ..stirring.rhythm.given(lane, turn) };
+        let time = stirring.rhythm.time_of(lane, turn);
         let seen = (Moment { time, positions: &positions }, &momenta[..], &[][..]);
         let during = given.interval(seen, system.inertia(), None, (system.equations() > 0, freedom));
         let mut own = vec![[0.0; D]; positions.len()];
-        system.effects.flow(number, &during, &mut system.effects.room(own.len()), &mut own);
+        system.effects.flow(turn.number, &during, &mut system.effects.room(own.len()), &mut own);
         for ((to, change), [_, over]) in changes.iter_mut().zip(own.as_flattened()).zip(masses) {
             to.0[lane] = Fused(if *over == 0.0 { 0.0 } else { over * change });
         }

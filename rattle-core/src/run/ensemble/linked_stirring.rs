@@ -13,7 +13,7 @@
 //! and fields, so no search for pivots is needed. For other flows n is found by repetition and secants, as
 //! [`crate::motion::stir`] does. A lane for which it is not found goes by itself.
 
-use crate::effect::interval::{Half, Inertia, Rule};
+use crate::effect::interval::{Inertia, Rule};
 use crate::effect::list::Forces;
 use crate::motion::method::Renewal;
 use crate::motion::system::System;
@@ -22,7 +22,7 @@ use crate::number::lanes::{Fused, Lanes};
 use crate::number::real::Real;
 use crate::run::ensemble::linked_plan::Places;
 use crate::run::ensemble::linked_row::{Course, PIVOT};
-use crate::run::ensemble::rhythm::{Bath, Rhythm, When};
+use crate::run::ensemble::rhythm::{Bath, Rhythm, Turn, When};
 use crate::run::ensemble::splits::Splits;
 use crate::run::ensemble::stirring::{DEVIATIONS, MOST_ROUNDS};
 use crate::systems::network::in_lanes::{Number, Numbers, Which, zeros};
@@ -54,11 +54,7 @@ enum Stir<const W: usize> {
 
 /// What is asked of a flow: what velocities change by, in these lanes.
 pub(super) struct Question<'a, const W: usize> {
-    pub(super) number: usize,
-    pub(super) half: Half,
-    /// Flows that acted earlier in this step, and steps taken.
-    pub(super) place: u64,
-    pub(super) steps: u64,
+    pub(super) turn: Turn,
     pub(super) lanes: &'a Which<W>,
     pub(super) q: &'a [Numbers<W>],
     pub(super) v: &'a [Numbers<W>],
@@ -194,14 +190,14 @@ impl<const W: usize> RowStirring<W> {
 
     /// Adds noise of covariance M⁻¹.
     #[inline(always)]
-    fn draw(&self, bath: &Bath<W>, (number, place, steps): (usize, u64, u64), changes: &mut [Numbers<W>]) {
+    fn draw(&self, bath: &Bath<W>, turn: Turn, changes: &mut [Numbers<W>]) {
         let d = self.dimension;
         let of_body = d.div_ceil(4) as u64;
         for (first, body) in (0..self.masses.len()).step_by(d).zip(0_u64..) {
             for (four, draw) in (0..d).step_by(4).zip(body * of_body..) {
                 let mut drawn = [[Fused(0.0); W]; 4];
                 let drawn = &mut drawn[..(d - four).min(4)];
-                self.rhythm.draw(&bath.seed, (number, place, steps), draw, drawn);
+                self.rhythm.draw(&bath.seed, turn, draw, drawn);
                 for (c, drawn) in (first + four..first + d).zip(drawn) {
                     let (over, to) = (&self.masses[c][1], &mut changes[c]);
                     for l in 0..W {
@@ -279,8 +275,8 @@ impl<const W: usize> Work for Acting<'_, '_, '_, W> {
     fn run(self) -> Result<(), usize> {
         let Self { stirring, course, when, numbers, work, answer } = self;
         let before = stirring.energy(course, numbers);
-        for (number, place) in stirring.rhythm.turns(stirring.flows.len(), when.half) {
-            match &stirring.flows[number] {
+        for turn in stirring.rhythm.turns(stirring.flows.len(), when) {
+            match &stirring.flows[turn.number] {
                 Stir::Bath(rule, bath) => {
                     let changes = course.plan.places.free;
                     for c in 0..stirring.masses.len() {
@@ -291,7 +287,7 @@ impl<const W: usize> Work for Acting<'_, '_, '_, W> {
                         numbers[changes + c] = change;
                     }
                     if bath.draws {
-                        stirring.draw(bath, (number, place, when.steps), &mut numbers[changes..]);
+                        stirring.draw(bath, turn, &mut numbers[changes..]);
                     }
                     let half = |_: usize, _: usize| bath.lost;
                     stirring.finish(course, *rule, true, half, numbers)?;
@@ -313,16 +309,7 @@ impl<const W: usize> Work for Acting<'_, '_, '_, W> {
                     stirring.finish(course, *rule, false, entry, numbers)?;
                 }
                 &Stir::Asked(rule) => {
-                    course.set.run(Asking {
-                        stirring,
-                        course,
-                        rule,
-                        number,
-                        place,
-                        when,
-                        numbers,
-                        answer,
-                    })?;
+                    course.set.run(Asking { stirring, course, rule, turn, numbers, answer })?;
                 }
             }
         }
@@ -339,9 +326,7 @@ struct Asking<'a, 'b, 'c, const W: usize> {
     stirring: &'a RowStirring<W>,
     course: &'a Course<'b, W>,
     rule: Rule,
-    number: usize,
-    place: u64,
-    when: When,
+    turn: Turn,
     numbers: &'a mut [Numbers<W>],
     answer: &'a mut Answer<'c, W>,
 }
@@ -351,8 +336,7 @@ impl<const W: usize> Work for Asking<'_, '_, '_, W> {
 
     #[inline(always)]
     fn run(self) -> Result<(), usize> {
-        let Self { stirring, course, rule, number, place, when: When { half, steps }, numbers, answer } =
-            self;
+        let Self { stirring, course, rule, turn, numbers, answer } = self;
         let Places { q, way, way_low, free, .. } = course.plan.places;
         let (n, one_half) = (stirring.masses.len(), Fused(0.5));
         let vectors = || vec![zeros::<W>(); n];
@@ -368,7 +352,7 @@ impl<const W: usize> Work for Asking<'_, '_, '_, W> {
                 }
             }
             let lanes = &going;
-            let question = Question { number, half, place, steps, lanes, q: &numbers[q..q + n], v: &tried };
+            let question = Question { turn, lanes, q: &numbers[q..q + n], v: &tried };
             answer(question, &mut changes);
             if rule == Rule::Random {
                 for (c, change) in changes.iter().enumerate() {

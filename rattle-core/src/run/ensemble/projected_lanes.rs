@@ -89,10 +89,6 @@ where
         L
     }
 
-    fn bodies_of_each(&self) -> usize {
-        1
-    }
-
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Vec<Stuck>> {
         let row = self.set.run(Going { lanes: self, tour })?;
         Ok(Box::new(Self { row, laws: self.laws.clone(), method: self.method.clone(), ..*self }))

@@ -24,7 +24,7 @@ use crate::run::ensemble::crossing::crossings;
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, Tour};
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::loops::step;
-use crate::run::ensemble::rhythm::{InRhythm, Rhythm, When};
+use crate::run::ensemble::rhythm::{InRhythm, Rhythm, Turn, When};
 use crate::run::ensemble::splits::of_renewal;
 use crate::run::ensemble::splitting_lanes::{in_lanes, of_a_kink_ahead, out_of_lanes};
 use crate::run::ensemble::stirred::{LARGER, lead, look_apart};
@@ -77,10 +77,6 @@ where
 {
     fn width(&self) -> usize {
         L
-    }
-
-    fn bodies_of_each(&self) -> usize {
-        1
     }
 
     fn divides(&self) -> bool {
@@ -305,10 +301,10 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize> 
 {
     /// Draws momenta; the kick that follows has them be along the surface.
     #[inline(always)]
-    fn act(&mut self, When { steps, .. }: When) -> Result<(), Stuck> {
+    fn act(&mut self, when: When) -> Result<(), Stuck> {
         let RenewedLanes { renewal: Renewal { seed, deviation, .. }, rhythm, .. } = self.lanes;
         let mut noise: Vectors<Fused<f64>, L, D> = [[Fused(0.0); L]; D];
-        rhythm.draw_all(&[*seed; L], (0, 0, steps), &mut noise);
+        rhythm.draw_all(&[*seed; L], Turn { number: 0, place: 0, when }, &mut noise);
         for d in 0..D {
             for l in 0..L {
                 self.block.way[d][l] = S::from_f64(*deviation * noise[d][l].0);
@@ -342,12 +338,6 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize> 
     #[inline(always)]
     fn advance(&mut self, _: usize, _: u64) -> Result<(), Stuck> {
         step(self.block, self.laws, &[self.lanes.drift], self.scratch)
-    }
-
-    /// Nothing acts between parts.
-    #[inline(always)]
-    fn guess(&mut self, _: usize) -> Result<(), Stuck> {
-        Ok(())
     }
 
     #[inline(always)]

@@ -4,10 +4,11 @@
 use crate::effect::interval::Half;
 use crate::effect::noise::Noise;
 use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
+use crate::motion::parts::Given;
 use crate::number::clock::after_steps;
 use crate::number::lanes::{Fused, Lanes};
 use crate::number::philox::unit;
-use crate::number::real::Real;
+use crate::number::real::{Real, Scalar};
 use crate::run::ensemble::engine::{Draws, Stuck};
 use crate::systems::network::in_lanes::{Number, Numbers};
 use std::array::from_fn;
@@ -20,6 +21,14 @@ pub(super) struct When {
     pub(super) steps: u64,
 }
 
+/// The turn of a flow: which one acts, before which so many acted in this step, and when.
+#[derive(Clone, Copy)]
+pub(super) struct Turn {
+    pub(super) number: usize,
+    pub(super) place: u64,
+    pub(super) when: When,
+}
+
 /// What moves in the rhythm of flows.
 pub(super) trait InRhythm {
     /// Has all flows act in all lanes.
@@ -29,10 +38,14 @@ pub(super) trait InRhythm {
     fn lead(&mut self) -> Result<(), Stuck>;
     /// Moves all lanes through this part of the step after so many.
     fn advance(&mut self, part: usize, steps: u64) -> Result<(), Stuck>;
-    /// Makes first guesses for this part, before which flows have acted.
-    fn guess(&mut self, part: usize) -> Result<(), Stuck>;
-    /// Forgets momenta, and what was guessed from them.
-    fn forget(&mut self);
+    /// Makes first guesses for this part, before which flows have acted; else those from the steps before stand.
+    #[inline(always)]
+    fn guess(&mut self, _part: usize) -> Result<(), Stuck> {
+        Ok(())
+    }
+    /// Forgets momenta, and what was guessed from them, where momenta are drawn anew.
+    #[inline(always)]
+    fn forget(&mut self) {}
 }
 
 /// When flows act in a step, and the random numbers of the lanes.
@@ -114,30 +127,43 @@ impl<const W: usize> Rhythm<W> {
         if self.changes { after_steps(start, steps, self.h).0 } else { start.0 }
     }
 
-    /// How much of the step has passed when flows act.
-    pub(super) fn passed(&self, half: Half) -> f64 {
-        match (self.changes, half) {
+    /// The time of a lane at this turn, as flows are told it.
+    #[inline(always)]
+    pub(super) fn time_of(&self, lane: usize, Turn { when: When { half, steps }, .. }: Turn) -> f64 {
+        let passed = match (self.changes, half) {
             (false, _) => 0.0,
             (true, _) if self.after > 0 => 0.5 * self.h,
             (true, Half::Before) => 0.0,
             (true, Half::After) => self.h,
-        }
+        };
+        self.now(lane, steps) + passed
     }
 
-    /// Which of so many flows acts at each turn, and how many acted in the step before it.
+    /// What a flow is given in a lane at this turn, with nothing laid beside.
     #[inline(always)]
-    pub(super) fn turns(&self, flows: usize, half: Half) -> impl Iterator<Item = (usize, u64)> + use<W> {
-        let second = !self.at_once && (half == Half::After) == (self.after == 0);
+    pub(super) fn given<T: Scalar, const D: usize>(
+        &self,
+        lane: usize,
+        Turn { number, place, when: When { half, steps } }: Turn,
+    ) -> Given<'_, T, D> {
+        let noise = Noise { effect: number as u64, place, ..self.noise(lane, steps) };
+        Given::of(self.time, half == Half::Before, noise)
+    }
+
+    /// The turns of so many flows.
+    #[inline(always)]
+    pub(super) fn turns(&self, flows: usize, when: When) -> impl Iterator<Item = Turn> + use<W> {
+        let second = !self.at_once && (when.half == Half::After) == (self.after == 0);
         (0..flows).map(move |i| {
-            let number = if half == Half::Before { i } else { flows - 1 - i };
-            (number, (if second { flows + i } else { i }) as u64)
+            let number = if when.half == Half::Before { i } else { flows - 1 - i };
+            Turn { number, place: (if second { flows + i } else { i }) as u64, when }
         })
     }
 
-    /// Draws normal numbers of each lane, those of [`Noise::normal`] for one body: with these seeds by flow number
-    /// `number`, before which `place` flows acted in this step, after so many; or by the method.
+    /// Draws normal numbers of each lane, those of [`Noise::normal`] for one body: with these seeds by the flow whose
+    /// turn it is, or by the method.
     #[inline(always)]
-    pub(super) fn draw_all(&self, seed: &[u64; W], turn: (usize, u64, u64), numbers: &mut [[Number; W]]) {
+    pub(super) fn draw_all(&self, seed: &[u64; W], turn: Turn, numbers: &mut [[Number; W]]) {
         for (draw, four) in (0..).zip(numbers.chunks_mut(4)) {
             self.draw(seed, turn, draw, four);
         }
@@ -148,14 +174,14 @@ impl<const W: usize> Rhythm<W> {
     pub(super) fn draw(
         &self,
         seed: &[u64; W],
-        (number, place, steps): (usize, u64, u64),
+        Turn { number, place, when }: Turn,
         draw: u64,
         numbers: &mut [[Number; W]],
     ) {
         let mut words = [[0; W]; 4];
         let effect = if self.renews { Noise::METHOD } else { number as u64 };
         for l in 0..W {
-            let noise = Noise { effect, place, ..self.noise(l, steps) };
+            let noise = Noise { effect, place, ..self.noise(l, when.steps) };
             for (words, drawn) in words.iter_mut().zip(noise.words(seed[l], draw)) {
                 words[l] = drawn;
             }

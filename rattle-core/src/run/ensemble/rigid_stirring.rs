@@ -8,10 +8,9 @@
 //! No constraint acts on angular momenta, so that what a flow changes is all there is. Kicks of two steps are not
 //! merged where flows act between them.
 
-use crate::effect::interval::{Half, Rule};
+use crate::effect::interval::Rule;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::effect::noise::Noise;
 use crate::motion::parts::Given;
 use crate::motion::system::System;
 use crate::number::instructions::Work;
@@ -19,7 +18,7 @@ use crate::number::lanes::{Fused, Lanes};
 use crate::number::real::Real;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
-use crate::run::ensemble::rhythm::{Bath, InRhythm, Rhythm, When};
+use crate::run::ensemble::rhythm::{Bath, InRhythm, Rhythm, Turn, When};
 use crate::run::ensemble::rigid_row::{Course, RigidRow, Rotor, Row, Three, finite, push};
 use crate::run::ensemble::splits::Splits;
 use crate::systems::network::in_lanes::{Numbers, at, lost, zeros};
@@ -46,11 +45,7 @@ enum Stir<const W: usize> {
 
 /// What is asked of a flow: what momenta change by.
 pub(super) struct Question<'a, const W: usize> {
-    pub(super) number: usize,
-    pub(super) half: Half,
-    /// Flows that acted earlier in this step, and steps taken.
-    pub(super) place: u64,
-    pub(super) steps: u64,
+    pub(super) turn: Turn,
     pub(super) bodies: &'a [Rotor<W>],
 }
 
@@ -131,14 +126,7 @@ impl<const W: usize> RotorStirring<W> {
 
     /// What a bath changes the momenta of a body by.
     #[inline(always)]
-    fn bathe(
-        &self,
-        bath: &Bath<W>,
-        now: (usize, u64, u64),
-        body: usize,
-        rotor: &Rotor<W>,
-        change: &mut Three<W>,
-    ) {
+    fn bathe(&self, bath: &Bath<W>, turn: Turn, body: usize, rotor: &Rotor<W>, change: &mut Three<W>) {
         for k in 0..3 {
             for l in 0..W {
                 change[k].0[l] = bath.lost.0[l] * rotor.way[k].0[l];
@@ -147,7 +135,7 @@ impl<const W: usize> RotorStirring<W> {
         if bath.draws {
             // As a simulation draws nine numbers for each body, four at a time, of which three are used.
             let mut drawn = [[Fused(0.0); W]; 3];
-            self.rhythm.draw(&bath.seed, now, 3 * body as u64, &mut drawn);
+            self.rhythm.draw(&bath.seed, turn, 3 * body as u64, &mut drawn);
             for k in 0..3 {
                 for l in 0..W {
                     let size = bath.deviation.0[l] * self.root[k].0[l];
@@ -162,25 +150,23 @@ impl<const W: usize> RotorStirring<W> {
 pub(super) fn answer<'a, Y: System<f64, D>, const D: usize, const W: usize>(
     lane: impl Fn(usize) -> &'a Y,
     rhythm: &Rhythm<W>,
-    Question { number, half, place, steps, bodies }: Question<'_, W>,
+    Question { turn, bodies }: Question<'_, W>,
     changes: &mut [Three<W>],
 ) {
     for l in 0..W {
         let system = lane(l);
         let inertia = system.inertia();
-        let noise = Noise { effect: number as u64, place, ..rhythm.noise(l, steps) };
         let spread = |x: [Fused<f64>; 3]| from_fn(|k| x.get(k).map_or(0.0, |x| x.0));
         let positions: Vec<[f64; D]> = bodies.iter().map(|rotor| from_fn(|k| rotor.q[k].0[l].0)).collect();
         let momenta: Vec<[f64; D]> = bodies.iter().map(|rotor| spread(at(&rotor.way, l))).collect();
         let velocities: Vec<_> =
             momenta.iter().enumerate().map(|(body, p)| inertia.velocity(body, p)).collect();
-        let time = rhythm.now(l, steps) + rhythm.passed(half);
-        let given = Given { velocities: &velocities, ..Given::of(rhythm.time, half == Half::Before, noise) };
-        let seen = (Moment { time, positions: &positions }, &momenta[..], &[][..]);
+        let given = Given { velocities: &velocities, ..rhythm.given(l, turn) };
+        let seen = (Moment { time: rhythm.time_of(l, turn), positions: &positions }, &momenta[..], &[][..]);
         let during = given.interval(seen, inertia, None, (false, 3 * bodies.len()));
         let mut own = vec![[0.0; D]; bodies.len()];
         let effects = system.effects();
-        effects.flow(number, &during, &mut effects.room(own.len()), &mut own);
+        effects.flow(turn.number, &during, &mut effects.room(own.len()), &mut own);
         for (to, change) in changes.iter_mut().zip(&own) {
             for (to, change) in to.iter_mut().zip(change) {
                 to.0[l] = Fused(*change);
@@ -277,12 +263,6 @@ impl<const W: usize> InRhythm for Stepping<'_, '_, '_, W> {
         if renews { advanced.map_err(unless_told) } else { advanced }
     }
 
-    /// Those from the steps before: a flow changes rotations little.
-    #[inline(always)]
-    fn guess(&mut self, _: usize) -> Result<(), Stuck> {
-        Ok(())
-    }
-
     #[inline(always)]
     fn forget(&mut self) {
         let three = [zeros(); 3];
@@ -316,16 +296,16 @@ impl<const W: usize> Work for Acting<'_, '_, W> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { stirring, sums, when: When { half, steps }, bodies, changes, work, answer } = self;
+        let Self { stirring, sums, when, bodies, changes, work, answer } = self;
         let before = stirring.energy(bodies);
-        for (number, place) in stirring.rhythm.turns(stirring.flows.len(), half) {
-            match &stirring.flows[number] {
+        for turn in stirring.rhythm.turns(stirring.flows.len(), when) {
+            match &stirring.flows[turn.number] {
                 Stir::Bath(bath) => {
                     for (body, (rotor, change)) in bodies.iter().zip(&mut *changes).enumerate() {
-                        stirring.bathe(bath, (number, place, steps), body, rotor, change);
+                        stirring.bathe(bath, turn, body, rotor, change);
                     }
                 }
-                Stir::Asked => answer(Question { number, half, place, steps, bodies }, changes),
+                Stir::Asked => answer(Question { turn, bodies }, changes),
             }
             add(sums, changes, bodies);
         }

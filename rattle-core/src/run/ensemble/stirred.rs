@@ -157,13 +157,13 @@ where
     X: Laws<S, D>,
 {
     #[inline(always)]
-    fn act(&mut self, When { half, steps }: When) -> Result<(), Stuck> {
+    fn act(&mut self, when: When) -> Result<(), Stuck> {
         let (Block { q, normal, square, way: p, way_low, .. }, laws) = (&mut *self.block, self.laws);
         let Stirs { stirring, set, ref mut work, .. } = *self.stirs;
         let mut lost = [[S::default(); L]; D];
         let low = way_low.first_mut().unwrap_or(&mut lost);
         let stirred = Stirred { q, normal, square, p, low, work };
-        let acted = stirring.act(set, half, steps, stirred, &mut |question, changes| {
+        let acted = stirring.act(set, when, stirred, &mut |question, changes| {
             set.run_lanes::<L, _>(Asking { laws, stirring, question, changes });
         });
         acted.map_err(|lane| Stuck { lane, failure: None })
@@ -185,10 +185,6 @@ where
         lead(self.block, self.laws, &self.parts[part], 0.0);
         heed(self.block, self.laws, self.parts, self.stirs)
     }
-
-    /// Flows never do.
-    #[inline(always)]
-    fn forget(&mut self) {}
 }
 
 /// Kicks all lanes for so long before the part of a step that is to come, and makes a first guess for that from g̈ = 0:

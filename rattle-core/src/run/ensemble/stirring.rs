@@ -11,7 +11,7 @@
 //! For linear flows μ has a formula, for others it is found by the secant rule, as [`crate::motion::stir`] does. A lane
 //! for which it is not found goes by itself. Random words are those of [`Noise`], a function of trajectory and step.
 
-use crate::effect::interval::{Half, Interval, Normals, Rule, UnitMasses};
+use crate::effect::interval::{Interval, Normals, Rule, UnitMasses};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::effect::noise::{Noise, halves};
@@ -23,7 +23,7 @@ use crate::number::lanes::{Fused, Lane, is_finite};
 use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::laws::Laws;
-use crate::run::ensemble::rhythm::Rhythm;
+use crate::run::ensemble::rhythm::{Rhythm, Turn, When};
 use crate::run::fingerprint::{BESIDE, IN_A_STEP, of_flow, told};
 use crate::systems::surface::normal::Normal;
 use std::array::from_fn;
@@ -77,11 +77,7 @@ pub(super) struct Stirred<'a, S, const L: usize, const D: usize> {
 
 /// What is asked of a flow: what momenta change by.
 pub(super) struct Question<'a, S, const L: usize, const D: usize> {
-    number: usize,
-    half: Half,
-    /// Flows that acted earlier in this step, and steps taken.
-    place: u64,
-    steps: u64,
+    turn: Turn,
     q: &'a Vectors<S, L, D>,
     normal: &'a Vectors<S, L, D>,
     square: &'a [S; L],
@@ -165,7 +161,7 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
             let (noise, mut changes) = (Noise { effect: number as u64, ..Noise::default() }, [to]);
             let (at, normals) = ([[q], [p]], [Normal::new(gradient)]);
             let normals = &&normals[..];
-            let during = interval(time, Half::Before, moment, [&at[0], &at[1]], normals, noise);
+            let during = interval(Given::of(time, true, noise), moment, [&at[0], &at[1]], normals);
             laws.flow(lane, number, &during, &mut changes);
             let numbers = changes[0].map(S::to_f64).to_vec();
             Hallmark::new(format!("flow {number}"), format!("{} ({manner})", short_name(name)), numbers)
@@ -180,7 +176,7 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
         all.chain((0..X::Forces::FLOWS).filter_map(in_a_step)).collect()
     }
 
-    /// Has all flows act in all lanes, for this half of a step after so many. Momenta are along the surface then.
+    /// Has all flows act in all lanes, before a step or after it. Momenta are along the surface then.
     ///
     /// # Errors
     /// The first lane in which one of them cannot.
@@ -188,12 +184,11 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
     pub(super) fn act(
         &self,
         set: Fusing,
-        half: Half,
-        steps: u64,
+        when: When,
         stirred: Stirred<'_, S, L, D>,
         answer: &mut Answer<'_, S, L, D>,
     ) -> Result<(), usize> {
-        set.run_lanes::<L, _>(Acting { stirring: self, half, steps, stirred, answer })
+        set.run_lanes::<L, _>(Acting { stirring: self, when, stirred, answer })
     }
 }
 
@@ -347,8 +342,7 @@ fn add<S: Lane, const L: usize, const D: usize>(
 /// All flows at work.
 struct Acting<'a, 'b, S, const L: usize, const D: usize> {
     stirring: &'a Stirring<S, L, D>,
-    half: Half,
-    steps: u64,
+    when: When,
     stirred: Stirred<'a, S, L, D>,
     answer: &'a mut Answer<'b, S, L, D>,
 }
@@ -358,19 +352,19 @@ impl<S: Lane, const L: usize, const D: usize> Work for Acting<'_, '_, S, L, D> {
 
     #[inline(always)]
     fn run(self) -> Self::Done {
-        let Self { stirring, half, steps, mut stirred, answer } = self;
-        for (number, place) in stirring.rhythm.turns(stirring.flows.len(), half) {
-            match &stirring.flows[number] {
+        let Self { stirring, when, mut stirred, answer } = self;
+        for turn in stirring.rhythm.turns(stirring.flows.len(), when) {
+            match &stirring.flows[turn.number] {
                 Stir::Linear(linear) => {
                     if linear.draws {
                         let mut noise = [[Fused(0.0); L]; D];
-                        stirring.rhythm.draw_all(&linear.seed, (number, place, steps), &mut noise);
+                        stirring.rhythm.draw_all(&linear.seed, turn, &mut noise);
                         linear.act(Some(&noise), &mut stirred)?;
                     } else {
                         linear.act(None, &mut stirred)?;
                     }
                 }
-                Stir::Asked(rule) => ask(*rule, (number, half, place, steps), &mut stirred, answer)?,
+                Stir::Asked(rule) => ask(*rule, turn, &mut stirred, answer)?,
             }
         }
         Ok(())
@@ -381,7 +375,7 @@ impl<S: Lane, const L: usize, const D: usize> Work for Acting<'_, '_, S, L, D> {
 #[inline(always)]
 fn ask<S: Lane, const L: usize, const D: usize>(
     rule: Rule,
-    (number, half, place, steps): (usize, Half, u64, u64),
+    turn: Turn,
     stirred: &mut Stirred<'_, S, L, D>,
     answer: &mut Answer<'_, S, L, D>,
 ) -> Result<(), usize> {
@@ -390,7 +384,7 @@ fn ask<S: Lane, const L: usize, const D: usize>(
     let (mut changes, mut tried) = ([zero; D], **p);
     let mut search = Search { mu: zero, before: zero, rest: zero, settled: [false; L] };
     for round in 0..MOST_ROUNDS {
-        let question = Question { number, half, place, steps, q, normal, square, p: &tried };
+        let question = Question { turn, q, normal, square, p: &tried };
         answer(question, &mut changes);
         search.judge(round == 0, normal, square, p, low, &changes, &mut tried);
         if rule == Rule::Random || search.settled == [true; L] {
@@ -471,16 +465,15 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize> Work for Asking<'_,
     #[inline(always)]
     fn run(self) {
         let Self { laws, stirring, question, changes } = self;
-        let Question { number, half, place, steps, q, normal, square, p } = question;
-        let (rhythm, passed) = (&stirring.rhythm, stirring.rhythm.passed(half));
+        let Question { turn, q, normal, square, p } = question;
+        let rhythm = &stirring.rhythm;
         for l in 0..L {
-            let noise = Noise { effect: number as u64, place, ..rhythm.noise(l, steps) };
             let one = S::from_f64(1.0);
             let normals = [Normal { gradient: at(normal, l), inverse_square: one / square[l] }];
-            let (now, mut change) = (rhythm.now(l, steps) + passed, [[S::default(); D]]);
+            let (now, mut change) = (rhythm.time_of(l, turn), [[S::default(); D]]);
             let (q, p, normals) = ([at(q, l)], [at(p, l)], &&normals[..]);
-            let during = interval(rhythm.time, half, now, [&q, &p], normals, noise);
-            laws.flow(l, number, &during, &mut change);
+            let during = interval(rhythm.given(l, turn), now, [&q, &p], normals);
+            laws.flow(l, turn.number, &during, &mut change);
             put(changes, l, change[0]);
         }
     }
@@ -489,14 +482,12 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize> Work for Asking<'_,
 /// What a flow is shown of a body with this place and momentum.
 #[inline(always)]
 fn interval<'a, S: Lane, const D: usize>(
-    h: f64,
-    half: Half,
+    given: Given<'a, S, D>,
     time: f64,
     [positions, momenta]: [&'a [[S; D]]; 2],
     surface: &'a dyn Normals<S, D>,
-    noise: Noise,
 ) -> Interval<'a, S, D> {
-    let given = Given { velocities: momenta, ..Given::of(h, half == Half::Before, noise) };
+    let given = Given { velocities: momenta, ..given };
     let seen = (Moment { time, positions }, momenta, &[][..]);
     given.interval(seen, &UnitMasses, Some(surface), (false, D - 1))
 }
