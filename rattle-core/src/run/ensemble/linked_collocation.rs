@@ -162,6 +162,23 @@ impl<const W: usize> Departs<W> for Collocation<W> {
 
     fn kick(&mut self, stand: &mut Stand<'_, W>, pulling: &mut Pulls<'_, '_, W>) {
         let [last, _] = self.with.kick[self.with.stages - 1];
+        stand.course.set.run(Kick { last, stand, pulling });
+    }
+}
+
+/// See [`Departs::kick`].
+struct Kick<'a, 'b, 'c, 'd, const W: usize> {
+    last: Number,
+    stand: &'a mut Stand<'b, W>,
+    pulling: &'a mut Pulls<'c, 'd, W>,
+}
+
+impl<const W: usize> Work for Kick<'_, '_, '_, '_, W> {
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { last, stand, pulling } = self;
         stand.pull_there(pulling);
         let (plan, way_low) = (stand.course.plan, stand.course.plan.places.way_low);
         for &c in &plan.moving {
