@@ -250,6 +250,17 @@ fn total<S: Lane, const D: usize>(x: &[S; D]) -> S {
     sum
 }
 
+/// The first guess for the next step from what the last three found: by the [weights](Part::weights), which are 3, −3
+/// and 1 where all steps are equal.
+#[inline(always)]
+pub(super) fn extrapolated<S: Lane>(equal: bool, [a, b, c]: [S; 3], found: S, last: S, earlier: S) -> S {
+    if equal {
+        S::from_f64(3.0).multiply_add(found - last, earlier)
+    } else {
+        a.multiply_add(found, b.multiply_add(last, c * earlier))
+    }
+}
+
 impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>
     Block<S, L, D, SUMS, EQUAL>
 {

@@ -10,6 +10,7 @@ use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::{dot, two_sum};
+use crate::run::ensemble::block::extrapolated;
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::linked_plan::Places;
 use crate::run::ensemble::linked_row::{Course, LinkedRow, PIVOT, TURN};
@@ -384,7 +385,7 @@ fn lift<const M: usize, const K: usize, const W: usize>(
 #[inline(always)]
 fn extrapolate<const M: usize, const W: usize>(
     equal: bool,
-    [a, b, c]: [Number; 3],
+    weights: [Number; 3],
     found: &[Numbers<W>; M],
     guess: &mut [Numbers<W>; M],
     last: &mut [Numbers<W>; M],
@@ -393,11 +394,7 @@ fn extrapolate<const M: usize, const W: usize>(
     for i in 0..M {
         for l in 0..W {
             let (new, before, first) = (found[i].0[l], last[i].0[l], earlier[i].0[l]);
-            guess[i].0[l] = if equal {
-                Fused(3.0).multiply_add(new - before, first)
-            } else {
-                a.multiply_add(new, b.multiply_add(before, c * first))
-            };
+            guess[i].0[l] = extrapolated(equal, weights, new, before, first);
             (last[i].0[l], earlier[i].0[l]) = (new, before);
         }
     }

@@ -22,7 +22,7 @@ use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector;
-use crate::run::ensemble::block::Part;
+use crate::run::ensemble::block::{Part, extrapolated};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::{Pulled, Pulling, Rows};
 use crate::run::ensemble::linked_plan::{LinkedPlan, Links, Places, Takes};
@@ -298,16 +298,11 @@ impl<const W: usize> Course<'_, W> {
                 two_sum(way + c, way_low + c, way_low + c, numbers);
             }
         }
-        let [a, b, c] = part.weights.map(Fused);
+        let weights = part.weights.map(Fused);
         for i in 0..plan.equations {
             let (new, before, mut first) = (numbers[found + i], numbers[last + i], numbers[earlier + i]);
             for l in 0..W {
-                let (found, last, earlier) = (new.0[l], before.0[l], first.0[l]);
-                first.0[l] = if equal {
-                    Fused(3.0).multiply_add(found - last, earlier)
-                } else {
-                    a.multiply_add(found, b.multiply_add(last, c * earlier))
-                };
+                first.0[l] = extrapolated(equal, weights, new.0[l], before.0[l], first.0[l]);
             }
             (numbers[guess + i], numbers[last + i], numbers[earlier + i]) = (first, new, before);
         }

@@ -36,7 +36,7 @@ use crate::motion::failure::Failure;
 use crate::number::lanes::{Lane, is_finite};
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
-use crate::run::ensemble::block::{Block, LOST, Part, Scratch, not_finite};
+use crate::run::ensemble::block::{Block, LOST, Part, Scratch, extrapolated, not_finite};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::rest::{at_rest, rest_square};
@@ -372,7 +372,7 @@ fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: boo
 {
     let [share, kick] = [part.h / part.unit, part.unit * part.kick].map(S::from_f64);
     let [over_share, rest_of_share] = part.over.map(S::from_f64);
-    let [a, b, c] = part.weights.map(S::from_f64);
+    let weights = part.weights.map(S::from_f64);
     for i in 0..L {
         let (n, m, old, found) = (at(normal, i), at(next, i), at(way, i), multiplier[i]);
         let place = if const { SUMS == 0 } {
@@ -406,14 +406,9 @@ fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: boo
         };
         put(q, i, place);
         put(way, i, new);
-        let extrapolated = if EQUAL {
-            S::from_f64(3.0).multiply_add(found - last[i], earlier[i])
-        } else {
-            a.multiply_add(found, b.multiply_add(last[i], c * earlier[i]))
-        };
         let ratio = square[i] / length;
         square[i] = length;
-        guess[i] = ratio * extrapolated;
+        guess[i] = ratio * extrapolated(EQUAL, weights, found, last[i], earlier[i]);
         earlier[i] = ratio * last[i];
         last[i] = ratio * found;
     }

@@ -12,7 +12,7 @@ use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
-use crate::run::ensemble::block::Part;
+use crate::run::ensemble::block::{Part, extrapolated};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::{Pulled, Pulling, Rows};
 use crate::solve::crowd::EVERY;
@@ -405,16 +405,12 @@ fn advance<const W: usize>(
     } else {
         turn_plain(inertia, over, x, q, way);
     }
-    let [a, b, c] = guess.weights.map(Fused);
+    let weights = guess.weights.map(Fused);
     for i in 0..3 {
         let (rest, last, earlier, ahead) = (&rest[i], &mut last[i], &mut earlier[i], &mut ahead[i]);
         for l in 0..W {
             let (found, before, first) = (rest.0[l], last.0[l], earlier.0[l]);
-            ahead.0[l] = if equal {
-                Fused(3.0).multiply_add(found - before, first)
-            } else {
-                a.multiply_add(found, b.multiply_add(before, c * first))
-            };
+            ahead.0[l] = extrapolated(equal, weights, found, before, first);
             (last.0[l], earlier.0[l]) = (found, before);
         }
     }
