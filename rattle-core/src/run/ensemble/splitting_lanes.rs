@@ -24,7 +24,7 @@ use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, OwnSteps, Stuck, T
 use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::loops::step;
 use crate::run::ensemble::splits::{backwards, hallmark, without_first_kick};
-use crate::run::ensemble::stirred::{Stirs, limit, look_around, stirred_step};
+use crate::run::ensemble::stirred::{Stepping, Stirs, limit, look_around};
 use crate::run::ensemble::stirring::Stirring;
 use crate::run::fingerprint::Looks;
 use crate::run::reversal::compare;
@@ -489,29 +489,30 @@ where
             stirs = Some(Stirs { stirring, kick: stages[0].before, set: *set, work, limits });
             every = if stirring.is_abrupt() { 1 } else { EVERY };
         }
+        let mut striding = Striding { desk: &mut desk, laws: &laws, parts, stirs };
         while let Some(Leg { from, steps, written, shown }) = tour.next() {
             let (mut now, end) = (from, from + steps);
             let mut looks = now == 0 && end > 0;
             // One place where it looks around, since all of that is inlined.
             loop {
                 if looks {
-                    look_around(&desk.block, &laws, parts, stirs.as_mut(), now)?;
+                    look_around(&striding.desk.block, &laws, parts, striding.stirs.as_mut(), now)?;
                 }
                 if now == end {
                     break;
                 }
                 let stop = end.min((now / every + 1) * every);
                 for now in now..stop {
-                    stride(&mut desk, &laws, parts, stirs.as_mut(), now)?;
+                    striding.stride(now)?;
                 }
                 now = stop;
                 looks = now % every == 0 || (now == end && shown);
             }
             if steps > 0 && (shown || written.is_none()) {
-                desk.block.check(&laws, parts)?;
+                striding.desk.block.check(&laws, parts)?;
             }
             if let Some(written) = written {
-                let (q, p) = desk.block.all(&laws, parts);
+                let (q, p) = striding.desk.block.all(&laws, parts);
                 written.fill(L, |lane| at(&q, lane).map(S::to_f64), |lane| at(&p, lane).map(S::to_f64));
             }
         }
@@ -519,54 +520,56 @@ where
     }
 }
 
-/// A step of the method, after so many.
-#[inline(always)]
-fn whole_step<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    desk: &mut Desk<S, L, D, SUMS, EQUAL>,
-    laws: &X,
-    parts: &[Part],
-    stirs: Option<&mut Stirs<'_, S, L, D>>,
-    steps: u64,
-) -> Result<(), Stuck>
-where
-    S: Lane,
-    X: Laws<S, D>,
-{
-    desk.block.measure_after(steps);
-    if const { X::Forces::FLOWS > 0 }
-        && let Some(stirs) = stirs
-    {
-        return stirred_step(&mut desk.block, &mut desk.scratch, laws, parts, stirs, steps);
-    }
-    for _ in 0..if EQUAL { 1 } else { parts.len() } {
-        step(&mut desk.block, laws, parts, &mut desk.scratch)?;
-    }
-    Ok(())
+/// A block on its way.
+struct Striding<'a, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
+    desk: &'a mut Desk<S, L, D, SUMS, EQUAL>,
+    laws: &'a X,
+    parts: &'a [Part],
+    stirs: Option<Stirs<'a, S, L, D>>,
 }
 
-/// The same, which leads no lane across a kink.
-#[inline(always)]
-fn stride<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    desk: &mut Desk<S, L, D, SUMS, EQUAL>,
-    laws: &X,
-    parts: &[Part],
-    stirs: Option<&mut Stirs<'_, S, L, D>>,
-    steps: u64,
-) -> Result<(), Stuck>
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>
+    Striding<'_, S, X, L, D, SUMS, EQUAL>
 where
     S: Lane,
     X: Laws<S, D>,
 {
-    if const { X::Constraint::KINKS.is_empty() } {
-        return whole_step(desk, laws, parts, stirs, steps);
+    /// A step of the method, after so many.
+    #[inline(always)]
+    fn step(&mut self, steps: u64) -> Result<(), Stuck> {
+        let Self { desk: Desk { block, scratch, .. }, laws, parts, stirs } = self;
+        block.measure_after(steps);
+        if const { X::Forces::FLOWS > 0 }
+            && let Some(stirs) = stirs
+        {
+            let rhythm = &stirs.stirring.rhythm;
+            return rhythm.step(
+                &mut Stepping { block, scratch, laws: *laws, parts, stirs },
+                steps,
+                parts.len(),
+            );
+        }
+        for _ in 0..if EQUAL { 1 } else { parts.len() } {
+            step(block, *laws, parts, scratch)?;
+        }
+        Ok(())
     }
-    let (from, way) = (desk.block.q, desk.block.way);
-    let stepped = whole_step(desk, laws, parts, stirs, steps);
-    if let Err(Stuck { lane, failure }) = stepped {
-        let ahead = S::from_f64(parts.iter().map(|part| part.h).sum::<f64>() / parts[0].unit);
-        let from = at(&from, lane);
-        let to = add_scaled(&from, ahead, &at(&way, lane));
-        return kink(laws, lane, from, to, Err(Stuck { lane, failure }));
+
+    /// The same, which leads no lane across a kink.
+    #[inline(always)]
+    fn stride(&mut self, steps: u64) -> Result<(), Stuck> {
+        if const { X::Constraint::KINKS.is_empty() } {
+            return self.step(steps);
+        }
+        let (from, way) = (self.desk.block.q, self.desk.block.way);
+        let stepped = self.step(steps);
+        let Self { desk, laws, parts, .. } = self;
+        if let Err(Stuck { lane, failure }) = stepped {
+            let ahead = S::from_f64(parts.iter().map(|part| part.h).sum::<f64>() / parts[0].unit);
+            let from = at(&from, lane);
+            let to = add_scaled(&from, ahead, &at(&way, lane));
+            return kink(*laws, lane, from, to, Err(Stuck { lane, failure }));
+        }
+        crossings(*laws, &from, &desk.block.q)
     }
-    crossings(laws, &from, &desk.block.q)
 }

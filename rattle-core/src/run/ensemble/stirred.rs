@@ -76,34 +76,6 @@ impl<S: Lane, const L: usize, const D: usize> Stirs<'_, S, L, D> {
     }
 }
 
-/// The same at once, at as many places as at first, for lanes where the work of flows is beyond its limit; for no
-/// others, so that what becomes of a lane depends on that lane alone.
-#[inline(always)]
-fn heed<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    block: &Block<S, L, D, SUMS, EQUAL>,
-    laws: &X,
-    parts: &[Part],
-    stirs: &mut Stirs<'_, S, L, D>,
-) -> Result<(), Stuck>
-where
-    S: Lane,
-    X: Laws<S, D>,
-{
-    let within = |stirs: &Stirs<'_, S, L, D>, l: usize| stirs.work[l] <= stirs.limits[l]; // not where it is no number
-    let mut all = true;
-    for l in 0..L {
-        all &= within(stirs, l);
-    }
-    if all {
-        return Ok(());
-    }
-    let beyond = from_fn(|l| !within(stirs, l));
-    let least = |lane| stirs.stirring.momentum(lane);
-    look_apart(stirs.set, block, laws, parts, &beyond, &least)?;
-    stirs.set_limits(block, &beyond);
-    Ok(())
-}
-
 /// Asks whether other sheets are near these lanes, at as many places as at first: work of its own, for what is seldom
 /// asked. It works on copies: what others can reach is read from memory again in each step.
 #[inline(always)]
@@ -123,31 +95,41 @@ where
     set.run_lanes::<L, _>(LookingAround { block, laws, parts, steps: 0, lanes, least })
 }
 
-/// A step of the method with flows, after so many.
-#[inline(always)]
-pub(super) fn stirred_step<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    block: &mut Block<S, L, D, SUMS, EQUAL>,
-    scratch: &mut Scratch<S, L, D>,
-    laws: &X,
-    parts: &[Part],
-    stirs: &mut Stirs<'_, S, L, D>,
-    steps: u64,
-) -> Result<(), Stuck>
+/// A step of a block with flows.
+pub(super) struct Stepping<'a, 'b, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>
+{
+    pub(super) block: &'a mut Block<S, L, D, SUMS, EQUAL>,
+    pub(super) scratch: &'a mut Scratch<S, L, D>,
+    pub(super) laws: &'a X,
+    pub(super) parts: &'a [Part],
+    pub(super) stirs: &'a mut Stirs<'b, S, L, D>,
+}
+
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>
+    Stepping<'_, '_, S, X, L, D, SUMS, EQUAL>
 where
     S: Lane,
     X: Laws<S, D>,
 {
-    let rhythm = &stirs.stirring.rhythm;
-    rhythm.step(&mut Stepping { block, scratch, laws, parts, stirs }, steps, parts.len())
-}
-
-/// A step of a block.
-struct Stepping<'a, 'b, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
-    block: &'a mut Block<S, L, D, SUMS, EQUAL>,
-    scratch: &'a mut Scratch<S, L, D>,
-    laws: &'a X,
-    parts: &'a [Part],
-    stirs: &'a mut Stirs<'b, S, L, D>,
+    /// Asks at once whether other sheets are near, at as many places as at first, for lanes where the work of flows is
+    /// beyond its limit; for no others, so that what becomes of a lane depends on that lane alone.
+    #[inline(always)]
+    fn heed(&mut self) -> Result<(), Stuck> {
+        let Self { block, laws, parts, stirs, .. } = self;
+        let within = |l: usize| stirs.work[l] <= stirs.limits[l]; // not where it is no number
+        let mut all = true;
+        for l in 0..L {
+            all &= within(l);
+        }
+        if all {
+            return Ok(());
+        }
+        let beyond = from_fn(|l| !within(l));
+        let least = |lane| stirs.stirring.momentum(lane);
+        look_apart(stirs.set, block, *laws, parts, &beyond, &least)?;
+        stirs.set_limits(block, &beyond);
+        Ok(())
+    }
 }
 
 impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> InRhythm
@@ -172,7 +154,7 @@ where
     #[inline(always)]
     fn lead(&mut self) -> Result<(), Stuck> {
         lead(self.block, self.laws, &self.parts[0], self.stirs.kick);
-        heed(self.block, self.laws, self.parts, self.stirs)
+        self.heed()
     }
 
     #[inline(always)]
@@ -183,7 +165,7 @@ where
     #[inline(always)]
     fn guess(&mut self, part: usize) -> Result<(), Stuck> {
         lead(self.block, self.laws, &self.parts[part], 0.0);
-        heed(self.block, self.laws, self.parts, self.stirs)
+        self.heed()
     }
 }
 
