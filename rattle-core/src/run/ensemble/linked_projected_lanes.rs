@@ -28,9 +28,10 @@ use crate::run::ensemble::linked_plan::LinkedPlan;
 use crate::run::ensemble::linked_projected::{Desk, ProjectedSteps};
 use crate::run::ensemble::linked_projected_row::{Kept, Landed, forget};
 use crate::run::ensemble::linked_row::{Course, LinkedRow};
-use crate::run::ensemble::linked_series::Expansion;
+use crate::run::ensemble::linked_series::Few;
 use crate::run::ensemble::linked_series_law::SeriesLaws;
 use crate::run::ensemble::linked_stand::{Departs, Stand};
+use crate::run::ensemble::taylor_row::Expansion;
 use crate::run::fingerprint::{Looks, of_lane};
 use crate::run::trouble::Trouble;
 use crate::solve::crowd::Asked;
@@ -123,7 +124,8 @@ impl ProjectsLinks for TaylorOfLinks {
         plan: &LinkedPlan,
         dimension: usize,
     ) -> Box<dyn Departs<W> + 'a> {
-        Box::new(Expansion::new(self.method, &self.laws, plan, dimension))
+        let (few, n) = (Few::new(&self.method, &self.laws, plan), plan.coordinates);
+        Box::new(Expansion::new(self.method, few, [n, n, n / dimension]))
     }
     fn obey<F, const D: usize, const W: usize>(
         &mut self,

@@ -10,7 +10,7 @@
 //! nearer cache, and lanes that have arrived are left out where all of a few have.
 
 use crate::kernel::series::{Products, blocks, unit_near};
-use crate::methods::taylor::{INSIDE, ROUNDINGS_OF_SERIES, Taylor};
+use crate::methods::taylor::{ROUNDINGS_OF_SERIES, Taylor};
 use crate::motion::method::Method;
 use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
@@ -21,30 +21,11 @@ use crate::run::ensemble::linked_series_law::SeriesLaws;
 use crate::run::ensemble::linked_stand::{Departs, Pulls, Stand};
 use crate::run::ensemble::pace::MOVES;
 use crate::run::ensemble::series_in_lanes::PullingInSeries;
-use crate::run::ensemble::taylor_row::{few_of, last_terms, measure, sum_up};
+use crate::run::ensemble::taylor_row::{Expansion, Summed, few_of, last_terms, measure, sum_up};
 use crate::systems::network::in_lanes::{FEW, Number, Numbers, zeros};
 
-/// Where inner steps lead, by power series.
-pub(super) struct Expansion<'a, const W: usize> {
-    method: Taylor,
-    few: Few<'a>,
-    /// At the end of inner steps, and with a tolerance at times [inside](INSIDE) of them.
-    end: Summed<W>,
-    inside: Vec<Summed<W>>,
-}
-
-/// The series after a part of an inner step.
-struct Summed<const W: usize> {
-    part: Number,
-    /// By how much places and velocities are changed.
-    changes: [Vec<Numbers<W>>; 2],
-    /// Accelerations; and of each body their last two terms, which tell what the series leaves out.
-    bends: Vec<Numbers<W>>,
-    left_out: Vec<Numbers<W>>,
-}
-
 /// The series of a few lanes.
-struct Few<'a> {
+pub(super) struct Few<'a> {
     laws: &'a SeriesLaws,
     unit: f64,
     pulling: Option<Box<dyn PullingInSeries + 'a>>,
@@ -62,11 +43,11 @@ struct Few<'a> {
     pull: Vec<Numbers<FEW>>,
 }
 
-impl<'a, const W: usize> Expansion<'a, W> {
-    /// Of what obeys these laws, in bodies of so many coordinates.
-    pub(super) fn new(method: Taylor, laws: &'a SeriesLaws, plan: &LinkedPlan, dimension: usize) -> Self {
+impl<'a> Few<'a> {
+    /// Of what obeys these laws.
+    pub(super) fn new(method: &Taylor, laws: &'a SeriesLaws, plan: &LinkedPlan) -> Self {
         let (n, entries, orders) = (plan.coordinates, plan.of_entry.len(), method.coefficients());
-        let few = Few {
+        Self {
             laws,
             unit: unit_near(method.step_size()),
             pulling: laws.pulls.as_ref().map(|pulls| pulls.begin(orders)),
@@ -78,20 +59,11 @@ impl<'a, const W: usize> Expansion<'a, W> {
             normals: vec![zeros(); entries],
             forces: vec![zeros(); n],
             pull: vec![zeros(); n],
-        };
-        let rows = |number: usize| vec![zeros(); number];
-        let summed = |part: f64| Summed {
-            part: Fused(part),
-            changes: [rows(n), rows(n)],
-            bends: rows(n),
-            left_out: rows(n / dimension),
-        };
-        let inside = method.tolerance().map(|_| INSIDE.map(summed).into_iter().collect());
-        Self { method, few, end: summed(1.0), inside: inside.unwrap_or_default() }
+        }
     }
 }
 
-impl<const W: usize> Departs<W> for Expansion<'_, W> {
+impl<const W: usize> Departs<W> for Expansion<Few<'_>, W> {
     fn depart(&mut self, stand: &mut Stand<'_, W>, pulling: &mut Pulls<'_, '_, W>) {
         stand.course.set.run(Depart { expansion: self, stand, pulling });
     }
@@ -104,7 +76,7 @@ impl<const W: usize> Departs<W> for Expansion<'_, W> {
 }
 
 struct Depart<'a, 'b, 'c, 'd, 'e, const W: usize> {
-    expansion: &'a mut Expansion<'b, W>,
+    expansion: &'a mut Expansion<Few<'b>, W>,
     stand: &'a mut Stand<'c, W>,
     pulling: &'a mut Pulls<'d, 'e, W>,
 }

@@ -22,9 +22,10 @@ use crate::run::ensemble::rigid_going::project;
 use crate::run::ensemble::rigid_law::RigidLaws;
 use crate::run::ensemble::rigid_projected::{Desk, ProjectedSteps};
 use crate::run::ensemble::rigid_row::{Nine, RigidRow};
-use crate::run::ensemble::rigid_series::Expansion;
+use crate::run::ensemble::rigid_series::Few;
 use crate::run::ensemble::rigid_stand::{COORDINATES, Departs, ROW, Stand};
 use crate::run::ensemble::series_in_lanes::PullsInSeries;
+use crate::run::ensemble::taylor_row::Expansion;
 use crate::run::ensemble::track::State;
 use crate::run::fingerprint::{Looks, of_lane};
 use crate::run::trouble::Trouble;
@@ -79,7 +80,8 @@ impl ProjectsRigid for TaylorOfRigid {
         self.method.order()
     }
     fn departs(&self, bodies: usize) -> Box<dyn Departs + '_> {
-        Box::new(Expansion::new(self.method, self.pulls.as_deref(), bodies))
+        let few = Few::new(&self.method, self.pulls.as_deref(), bodies);
+        Box::new(Expansion::new(self.method, few, [9 * bodies, 3 * bodies, 3 * bodies]))
     }
     fn obey(&mut self, from: usize, to: usize) {
         if let Some(pulls) = &mut self.pulls {

@@ -10,7 +10,7 @@
 //! numbers is a factor of several.
 
 use crate::kernel::series::unit_near;
-use crate::methods::taylor::{INSIDE, ROUNDINGS_OF_SERIES, Taylor};
+use crate::methods::taylor::{ROUNDINGS_OF_SERIES, Taylor};
 use crate::motion::method::Method;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
@@ -19,31 +19,12 @@ use crate::run::ensemble::pace::MOVES;
 use crate::run::ensemble::rigid_row::{Inertia, Three};
 use crate::run::ensemble::rigid_stand::{Departs, Pulls, ROW, Stand};
 use crate::run::ensemble::series_in_lanes::{PullingInSeries, PullsInSeries};
-use crate::run::ensemble::taylor_row::{few_of, measure};
+use crate::run::ensemble::taylor_row::{Expansion, Summed, few_of, measure};
 use crate::systems::network::in_lanes::{FEW, Number, Numbers, zeros};
 use crate::systems::rigid::rotation::Moments;
 
-/// Where inner steps lead, by power series.
-pub(super) struct Expansion<'a> {
-    method: Taylor,
-    few: Few<'a>,
-    /// At the end of inner steps, and with a tolerance at times [inside](INSIDE) of them.
-    end: Summed,
-    inside: Vec<Summed>,
-}
-
-/// The series after a part of an inner step.
-struct Summed {
-    part: Number,
-    /// By how much attitudes and momenta are changed.
-    changes: [Vec<Numbers<ROW>>; 2],
-    /// Rates of momenta, and their last two terms, which tell what the series leaves out.
-    rates: Vec<Numbers<ROW>>,
-    last: Vec<Numbers<ROW>>,
-}
-
 /// The series of a few lanes: coefficients 0 of all bodies in turn, coefficients 1 of all, ….
-struct Few<'a> {
+pub(super) struct Few<'a> {
     bodies: usize,
     unit: f64,
     pulling: Option<Box<dyn PullingInSeries + 'a>>,
@@ -55,12 +36,12 @@ struct Few<'a> {
     spins: Vec<Numbers<FEW>>,
 }
 
-impl<'a> Expansion<'a> {
+impl<'a> Few<'a> {
     /// Of so many bodies under these effects.
-    pub(super) fn new(method: Taylor, pulls: Option<&'a dyn PullsInSeries>, bodies: usize) -> Self {
+    pub(super) fn new(method: &Taylor, pulls: Option<&'a dyn PullsInSeries>, bodies: usize) -> Self {
         let orders = method.coefficients();
         let coefficients = |of_body: usize| vec![zeros(); orders * of_body * bodies];
-        let few = Few {
+        Self {
             bodies,
             unit: unit_near(method.step_size()),
             pulling: pulls.map(|pulls| pulls.begin(orders)),
@@ -69,20 +50,11 @@ impl<'a> Expansion<'a> {
             forces: coefficients(9),
             momenta: coefficients(3),
             spins: coefficients(3),
-        };
-        let rows = |of_body: usize| vec![zeros(); of_body * bodies];
-        let summed = |part: f64| Summed {
-            part: Fused(part),
-            changes: [rows(9), rows(3)],
-            rates: rows(3),
-            last: rows(3),
-        };
-        let inside = method.tolerance().map(|_| INSIDE.map(summed).into_iter().collect());
-        Self { method, few, end: summed(1.0), inside: inside.unwrap_or_default() }
+        }
     }
 }
 
-impl Departs for Expansion<'_> {
+impl Departs for Expansion<Few<'_>, ROW> {
     fn depart(&mut self, stand: &mut Stand<'_>, pulling: &mut Pulls<'_, '_>) {
         stand.set.run(Depart { expansion: self, stand, pulling });
     }
@@ -95,7 +67,7 @@ impl Departs for Expansion<'_> {
 }
 
 struct Depart<'a, 'b, 'c, 'd, 'e> {
-    expansion: &'a mut Expansion<'b>,
+    expansion: &'a mut Expansion<Few<'b>, ROW>,
     stand: &'a mut Stand<'c>,
     pulling: &'a mut Pulls<'d, 'e>,
 }
@@ -194,8 +166,8 @@ impl Few<'_> {
 
     /// Sums the series of these lanes, from this one on, up to a part of inner steps of these lengths.
     #[inline(always)]
-    fn sum(&self, inner: &Numbers<FEW>, first: usize, to: &mut Summed) {
-        let Summed { part, changes: [ways, changes], rates, last } = to;
+    fn sum(&self, inner: &Numbers<FEW>, first: usize, to: &mut Summed<ROW>) {
+        let Summed { part, changes: [ways, changes], bends, left_out } = to;
         let (n, over_unit, mut time) = (self.bodies, Fused(1.0 / self.unit), *inner);
         for l in 0..FEW {
             time.0[l] = time.0[l] * *part * over_unit;
@@ -206,10 +178,10 @@ impl Few<'_> {
             row.0[first..first + FEW].copy_from_slice(&way.0);
         }
         for c in 0..3 * n {
-            let (series, [mut way, mut rate, mut left_out]) = (&self.momenta[c..], [zeros(); 3]);
+            let (series, [mut way, mut bend, mut last]) = (&self.momenta[c..], [zeros(); 3]);
             sum_up(series, 3 * n, &time, &mut way);
-            slope(series, 3 * n, &time, over_unit, &mut rate, &mut left_out);
-            for (row, few) in [(&mut changes[c], &way), (&mut rates[c], &rate), (&mut last[c], &left_out)] {
+            slope(series, 3 * n, &time, over_unit, &mut bend, &mut last);
+            for (row, few) in [(&mut changes[c], &way), (&mut bends[c], &bend), (&mut left_out[c], &last)] {
                 row.0[first..first + FEW].copy_from_slice(&few.0);
             }
         }
@@ -337,7 +309,7 @@ fn slope(
 
 /// See [`Departs::compare`]: inner steps may end in another branch of a potential.
 struct Compare<'a, 'b> {
-    summed: &'a Summed,
+    summed: &'a Summed<ROW>,
     stand: &'a mut Stand<'b>,
     tolerance: f64,
 }
@@ -354,15 +326,15 @@ impl Work for Compare<'_, '_> {
 /// Has lanes go by themselves in which the series is not that of the motion after this part of an inner step, of which
 /// the rates on trial are.
 #[inline(always)]
-fn compare(summed: &Summed, stand: &mut Stand<'_>, tolerance: f64) {
-    let Summed { part, rates, last, .. } = summed;
+fn compare(summed: &Summed<ROW>, stand: &mut Stand<'_>, tolerance: f64) {
+    let Summed { part, bends, left_out, .. } = summed;
     let Stand { inertia, pace, trial: [_, m, ..], rates_there: [_, pushed], .. } = stand;
     let (tolerance, roundings) = (Fused(tolerance), Fused(ROUNDINGS_OF_SERIES * f64::EPSILON));
     let h = pace.h();
     for body in (0..m.len()).step_by(3) {
         let [mut off, mut most]: [Numbers<ROW>; 2] = [zeros(); 2];
         for (c, over) in (body..body + 3).zip(&inertia.over) {
-            widest(over, [&m[c], &pushed[c], &rates[c], &last[c]], &mut off, &mut most);
+            widest(over, [&m[c], &pushed[c], &bends[c], &left_out[c]], &mut off, &mut most);
         }
         for l in 0..ROW {
             let time = pace.inner.0[l] * *part;

@@ -3,13 +3,48 @@
 //!
 //! A few, whatever the width of the row: the coefficients of all orders stay in the nearer cache.
 
-use crate::methods::taylor::{SMALLEST_PART, Taylor};
+use crate::methods::taylor::{INSIDE, SMALLEST_PART, Taylor};
 use crate::motion::method::Method;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::run::ensemble::pace::Pace;
-use crate::systems::network::in_lanes::{FEW, Numbers, zeros};
+use crate::systems::network::in_lanes::{FEW, Number, Numbers, zeros};
 use std::ops::Range;
+
+/// Where inner steps of W lanes lead, by the series of a few lanes at a time.
+pub(super) struct Expansion<F, const W: usize> {
+    pub(super) method: Taylor,
+    pub(super) few: F,
+    /// At the end of inner steps, and with a tolerance at times [inside](INSIDE) of them.
+    pub(super) end: Summed<W>,
+    pub(super) inside: Vec<Summed<W>>,
+}
+
+/// The series after a part of an inner step.
+pub(super) struct Summed<const W: usize> {
+    pub(super) part: Number,
+    /// By how much places and velocities are changed, or attitudes and momenta.
+    pub(super) changes: [Vec<Numbers<W>>; 2],
+    /// Accelerations, or rates of momenta; and their last two terms, of each or of each body, which tell what the
+    /// series leaves out.
+    pub(super) bends: Vec<Numbers<W>>,
+    pub(super) left_out: Vec<Numbers<W>>,
+}
+
+impl<F, const W: usize> Expansion<F, W> {
+    /// Of so many numbers of each kind: of both that change, and of what the series leaves out.
+    pub(super) fn new(method: Taylor, few: F, [places, ways, left_out]: [usize; 3]) -> Self {
+        let rows = |number: usize| vec![zeros(); number];
+        let summed = |part: f64| Summed {
+            part: Fused(part),
+            changes: [rows(places), rows(ways)],
+            bends: rows(ways),
+            left_out: rows(left_out),
+        };
+        let inside = method.tolerance().map(|_| INSIDE.map(summed).into_iter().collect());
+        Self { method, few, end: summed(1.0), inside: inside.unwrap_or_default() }
+    }
+}
 
 /// A few lanes of these, from this one on.
 #[inline(always)]
