@@ -126,7 +126,7 @@ impl<E: Effects<D>, const D: usize> InOneNetwork<'_, E, D> {
     {
         let Self(network, effects, starts) = *self;
         let laws = LinkedLaws::<_, D, W>::by_all(network, effects, (starts, h), method.sums())?;
-        method.row(laws, || series_in_lanes::of_all(effects, starts[0].len()))
+        method.row(laws, || series_in_lanes::of_all(effects, starts.first()?.len()))
     }
 }
 
