@@ -33,7 +33,7 @@
 //! [`Error::Recorder`](crate::Error::Recorder), in its state after the last step, and [`Stream::finish`] says how many
 //! rows the writer had taken. An ensemble ends too, with all trajectories after the same step.
 //!
-//! A run that continues from a [checkpoint](crate::run::checkpoint) records into files of its own: `create` empties a
+//! A run that continues from a checkpoint records into files of its own: `create` empties a
 //! file that is there, whose rows may go on beyond the checkpoint.
 
 mod csv;

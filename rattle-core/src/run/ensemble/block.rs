@@ -476,8 +476,7 @@ where
     }
 }
 
-/// [Puts](Block::set) a body there; returns whether the lane can hold it, and whether what is shown of its momentum
-/// are numbers.
+/// Puts a body there; returns whether the lane can hold it, and whether what is shown of its momentum are numbers.
 impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
     for (OfLane<'_, &mut Block<S, L, D, SUMS, EQUAL>, X>, Body<S, D>)
 where
