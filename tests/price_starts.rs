@@ -1,4 +1,5 @@
-//! Prices of motions that start near the origin, in any unit, of steps that get too long later, and what is told then.
+//! Prices of motions that start near the origin, in any unit, of steps that get too long later, and what is told then;
+//! of energies with any zero.
 
 use crate::priced::{FREE, Forces, NONE, Several, on};
 use rattle::Error;
@@ -7,6 +8,8 @@ use rattle::potentials::Harmonic;
 use rattle::prelude::*;
 use rattle::price::{Candidate, Clock, Prices};
 use rattle::surfaces::Plane;
+use std::f64::consts::FRAC_PI_2;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 const FLOOR: Plane = Plane { a: 0.0, b: 0.0, c: 1.0, d: 0.0 };
 
@@ -96,4 +99,50 @@ fn chaos_is_looked_for_with_shorter_steps_where_long_ones_fail() {
         println!("{rounding:e} {lyapunov_time:?} {predictable:?}");
         assert!((1e-17..1e-11).contains(&rounding), "{duration}: {rounding:e}");
     }
+}
+
+hamiltonian! {
+    /// A pendulum, with any zero of its energy.
+    struct Pendulum { g, zero }
+    |phi, p| p^2 / 2 - g * cos(phi) + zero
+}
+
+hamiltonian! {
+    /// A body on a spring, whose energy at rest is c².
+    struct Fast { c }
+    |x, p| sqrt(c^2 * p^2 + c^4) + x^2 / 2
+}
+
+/// Prices by a clock that goes on whenever it is asked.
+fn prices_of<H: Hamiltonian<1>>(energy: H, start: &State<1>, duration: f64) -> Prices {
+    let calls = AtomicU32::new(0);
+    let clock = Clock::of(move || 1e-4 * f64::from(calls.fetch_add(1, Ordering::Relaxed)));
+    Scene::hamiltonian(energy).price(start, duration).budget(1.0).clock(clock).measure().unwrap()
+}
+
+/// What is added to a Hamiltonian changes no pilot and no row, also where H is zero at the start or negative; from a
+/// start at rest too.
+#[test]
+fn hamiltonians_have_any_zero() {
+    let g = 9.81;
+    let start = State::at([FRAC_PI_2]).moving([0.0]);
+    let found = |zero: f64| {
+        let Prices { pilot, reference, rows, .. } = prices_of(Pendulum { g, zero }, &start, 5.0);
+        let rows: Vec<_> =
+            rows.into_iter().map(|row| (row.method, row.h, row.steps, row.position, row.rounding)).collect();
+        (pilot, reference, rows)
+    };
+    let from_below = found(g);
+    assert!(from_below.0 == 5.0 && from_below.2.len() > 10, "{from_below:?}");
+    for zero in [0.0, -2.0 * g, 1e3] {
+        assert_eq!(found(zero), from_below, "{zero}");
+    }
+}
+
+/// Energies that are known to little more than what changes in a motion tell no step to be too long.
+#[test]
+fn large_energies_at_rest_are_no_errors() {
+    let start = State::at([5.0]).moving([0.0]);
+    let [slow, fast] = [1e2, 3e8].map(|c| prices_of(Fast { c }, &start, 20.0).pilot);
+    assert!(fast == 20.0 && slow == 20.0, "{slow} {fast}");
 }

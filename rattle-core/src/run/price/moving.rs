@@ -40,7 +40,8 @@ pub(super) trait Moving {
     fn largest_momentum(&self) -> f64;
     fn energy(&self) -> f64;
     fn energy_error(&self) -> f64;
-    /// 0 where it is not asked for.
+    /// The kinetic energy, by which errors of the energy are measured. Without masses it is ½ Σ |pᵢ q̇ᵢ|: nobody says
+    /// what of H is kinetic, and H has any zero. 0 where it is not asked for.
     fn kinetic_energy(&self) -> f64 {
         0.0
     }

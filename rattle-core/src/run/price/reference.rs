@@ -10,6 +10,8 @@ use std::iter::zip;
 
 /// RATTLE's longest step keeps the energy to this part of the kinetic one.
 const KEEPS: f64 = 0.1;
+/// And to this part of all energy, which is rounding: all energy has any zero.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// Steps of a probe.
 const PROBE: u64 = 32;
 /// The shortest step that is tried, as part of the whole time.
@@ -112,17 +114,17 @@ fn probe(runner: &Runner<'_>, h: f64) -> Result<(bool, f64), Stop> {
     let mut moving = runner.scene.begin(Rung { candidate: Candidate::Rattle, h, tolerance: 0.0 })?;
     let extent = |positions: &[f64]| positions.iter().fold(0.0, |most: f64, q| most.max(q.abs()));
     let mut size = extent(&moving.positions());
-    let (mut kinetic, mut error) = (moving.kinetic_energy().abs(), 0.0_f64); // in phase space all of H, of either sign
+    let (mut kinetic, mut error) = (moving.kinetic_energy(), 0.0_f64);
     for _ in 0..PROBE {
         moving.run(1)?;
         size = size.max(extent(&moving.positions()));
-        kinetic = kinetic.max(moving.kinetic_energy().abs());
+        kinetic = kinetic.max(moving.kinetic_energy());
         error = error.max(moving.energy_error().abs());
         if runner.left() <= 0.0 {
             return Err(Stop::Late);
         }
     }
-    Ok((error <= KEEPS * kinetic, size))
+    Ok((error <= KEEPS * kinetic + ROUNDING * moving.energy().abs(), size))
 }
 
 impl Reference {

@@ -3,7 +3,7 @@
 use crate::effect::list::{Effects, Forces};
 use crate::error::{Error, PriceMistake};
 use crate::motion::bodies::Count;
-use crate::motion::hold::Hold;
+use crate::motion::hold::{Hold, Kind};
 use crate::motion::state::State;
 use crate::run::boxed::BoxedSimulation;
 use crate::run::price::beside::Beside;
@@ -28,6 +28,7 @@ pub(super) struct Set<'a, C, E, N, const D: usize> {
 struct Observing<'a, const D: usize> {
     simulation: BoxedSimulation<D>,
     observed: &'a [Observed<'a, D>],
+    has_masses: bool,
 }
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Movable for Set<'_, C, E, N, D> {
@@ -67,7 +68,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Set<'_, C, E, N, D> {
     fn begin_from(&self, rung: Rung, start: State<D>) -> Result<Box<dyn Moving + '_>, Error> {
         let Rung { candidate, h, tolerance } = rung;
         let simulation = candidate.simulation(self.scene, start, h, tolerance, 0)?;
-        Ok(Box::new(Observing { simulation, observed: self.observed }))
+        let has_masses = const { !matches!(C::KIND, Kind::Phase) };
+        Ok(Box::new(Observing { simulation, observed: self.observed, has_masses }))
     }
 }
 
@@ -84,7 +86,7 @@ fn aside<const D: usize>(state: &State<D>, off: f64) -> State<D> {
 
 impl<const D: usize> Moving for Observing<'_, D> {
     fn again(&self) -> Result<Box<dyn Moving + '_>, Error> {
-        Ok(Box::new(Observing { simulation: self.simulation.clone(), observed: self.observed }))
+        Ok(Box::new(Observing { simulation: self.simulation.clone(), ..*self }))
     }
     fn run(&mut self, steps: u64) -> Result<(), Error> {
         self.simulation.run(steps)
@@ -102,7 +104,11 @@ impl<const D: usize> Moving for Observing<'_, D> {
         self.simulation.energy_error()
     }
     fn kinetic_energy(&self) -> f64 {
-        self.simulation.kinetic_energy()
+        let now = &self.simulation;
+        if self.has_masses {
+            return now.kinetic_energy();
+        }
+        zip(now.momenta(), now.velocities()).map(|(p, v)| 0.5 * p.component_mul(&v).abs().sum()).sum()
     }
     fn iterations(&self) -> Option<u64> {
         self.simulation.corrections()

@@ -268,7 +268,7 @@ fn choose(
         }
         other => other,
     })?;
-    let kinetic = measured.reference.path.kinetic.abs();
+    let kinetic = measured.reference.path.kinetic;
     let limits = Limits { seconds: allowance.budget, flows: scene.flows(), kinetic };
     let runner = Runner { scene, clock: &allowance.clock, deadline: begun + allowance.budget };
     let prices = &measured.prices;
