@@ -315,6 +315,20 @@ fn hamiltonians_are_told_apart_where_momenta_are() {
     }
 }
 
+hamiltonian! {
+    /// A fast body under gravity: of so much energy at rest that its weight is far below the rounding of it.
+    struct Heavy { c, g }
+    |x, p| sqrt(c^2 * p^2 + c^4) + g * x
+}
+
+/// What momenta change by is compared beside H, of which it may be less than a rounding.
+#[test]
+fn hamiltonians_are_told_apart_by_forces() {
+    let scene = |g| Scene::hamiltonian(Heavy { c: 3e8, g });
+    let start = |_| State::at([1.0]).moving([0.5]);
+    refused_both_ways!(scene, start, 0.01, [9.81, 1.62], "rates of momenta");
+}
+
 force! {
     /// Drag by a speed, and by its square.
     struct Rubbing { a, b }

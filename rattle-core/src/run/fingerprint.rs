@@ -9,8 +9,8 @@
 //! [flows](crate::effect::Flow::parameters). Bodies on which an effect does not act there, as those out of each other's
 //! reach, are drawn together until it does. What is still zero then, as a field that is elsewhere, does not count.
 //!
-//! The velocity of each body, each equation and the force on each body is compared by its own size, or by what
-//! [roundings](Looks::rounded) of the positions make of it.
+//! The velocity of each body, each equation and the force on each body (in phase space what its momentum changes by) is
+//! compared by its own size, or by what [roundings](Looks::rounded) of the positions make of it.
 
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
@@ -167,6 +167,7 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     marks.push(of_masses(&velocities, &pinned));
     marks.push(Hallmark::new("kinetic energy", "a function", vec![system.kinetic_energy(&bodies)]));
     marks.push(of_equations(system, &bodies));
+    marks.extend(of_pushes(system, &bodies).map(Hallmark::later));
     for number in 0..Y::EFFECTS {
         let mut forces = vec![[0.0; D]; n];
         let name = system.add_force_alone(number, &mut bodies, &mut forces);
@@ -251,6 +252,19 @@ fn of_equations<Y: System<f64, D>, const D: usize>(system: &Y, bodies: &BodiesOf
     Hallmark::of_parameters("constraints", "a list", numbers)
 }
 
+/// What momenta change by where there are no masses. H need not show it, of which it may be less than a rounding.
+fn of_pushes<Y: System<f64, D>, const D: usize>(
+    system: &Y,
+    bodies: &BodiesOf<Y, f64, D>,
+) -> Option<Hallmark> {
+    let mut pushes = vec![[0.0; D]; bodies.q.as_ref().len()];
+    if system.rates().is_ok() || system.pushes(bodies, &mut pushes).is_err() {
+        return None;
+    }
+    let pushes: Vec<_> = pushes.iter().map(|push| &push[..]).collect();
+    Some(Hallmark::of_vectors("rates of momenta", "a list", &pushes))
+}
+
 /// The former bodies at the places of the latter.
 fn put_at<const D: usize>(near: &[Body<f64, D>], at: &[Body<f64, D>]) -> Vec<Body<f64, D>> {
     near.iter().zip(at).map(|(near, at)| Body { q: at.q, ..*near }).collect()
@@ -267,6 +281,7 @@ fn at_places<Y: System<f64, D>, const D: usize>(
     let mut energies = vec![system.kinetic_energy(&bodies)];
     system.effect_energies(&bodies, &mut energies);
     let mut marks = vec![of_equations(system, &bodies)];
+    marks.extend(of_pushes(system, &bodies));
     for number in 0..Y::EFFECTS {
         let mut forces = vec![[0.0; D]; at.len()];
         let name = system.add_force_alone(number, &mut bodies, &mut forces);
