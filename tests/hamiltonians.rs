@@ -2,6 +2,8 @@
 //! compositions of both; in simulations, in lanes, of several bodies, and going on.
 
 use crate::common::{larger, order};
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
 use rattle::Error;
 use rattle::composition::{KAHAN_LI_1997_ORDER_8, SUZUKI_1990_ORDER_4};
 use rattle::error::{PhaseFailure, StepFailure};
@@ -9,6 +11,7 @@ use rattle::links::planar::Rod;
 use rattle::methods::lobatto::Lobatto;
 use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 hamiltonian! {
     /// A pendulum in which the places of q and p are exchanged.
@@ -51,6 +54,16 @@ hamiltonian! {
     struct Letters { g }
     |q, s, p, ps|
         (p^2 + 2 * ps^2 - 2 * p * ps * cos(q - s)) / (2 * (1 + sin(q - s)^2)) - g * (2 * cos(q) + cos(s))
+}
+
+hamiltonian! {
+    /// The double pendulum, with its second angle in another unit.
+    struct InUnits { unit }
+    |a, b, pa, pb| {
+        let u = b * unit;
+        let pu = pb / unit;
+        (pa^2 + 2 * pu^2 - 2 * pa * pu * cos(a - u)) / (2 * (1 + sin(a - u)^2)) - 2 * cos(a) - cos(u)
+    }
 }
 
 /// Numbers mean what arrays mean, however they are called.
@@ -196,6 +209,58 @@ fn a_run_goes_on_from_a_checkpoint() {
     parts.run(100).unwrap();
     assert_eq!(crate::common::bits(&whole.state()), crate::common::bits(&parts.state()));
     assert!(begin(1.5).resume(&checkpoint).is_err());
+}
+
+hamiltonian! {
+    /// Places and momenta that depend on each other, in one variable and the same beside a free one.
+    struct Waves { k }
+    |x, y, px, py| px^2 / 2 + x * sin(px) + k * (py^2 / 2 + y * sin(py))
+}
+
+/// An equation of p½ with several roots, of which only the one that comes from p as a step grows is a step: from
+/// p = π/2 + 3 on −3 sin p½ is another one. With steps of a third it is the one that comes from p.
+#[test]
+fn steps_to_another_root_are_refused() {
+    let run = |k: f64, h: f64| {
+        let start = State::at([1.0, 1.0]).moving([FRAC_PI_2 + 3.0, k * (FRAC_PI_2 + 3.0)]);
+        let scene = Scene::hamiltonian(Waves { k });
+        let mut run = scene.simulate(start.clone(), Rattle::new(h)).unwrap();
+        let mut lanes = scene.ensemble(vec![start; 3], Rattle::new(h)).unwrap();
+        assert_eq!(lanes.plan().alone, 0);
+        lanes.run(1);
+        let in_lanes = lanes.failures().map(|(_, error)| error.to_string()).next();
+        (run.run(1).err(), in_lanes)
+    };
+    for k in [1.0, 0.0] {
+        let (alone, in_lanes) = run(k, 6.0);
+        let cause = |error: &Error| {
+            matches!(error, Error::Step { cause: StepFailure::Phase(PhaseFailure::ImplicitStep { .. }), .. })
+        };
+        assert!(alone.as_ref().is_some_and(cause), "{k}: {alone:?}");
+        assert!(in_lanes.is_some(), "{k}");
+        let (alone, in_lanes) = run(k, 0.5);
+        assert!(alone.is_none() && in_lanes.is_none(), "{k}: {alone:?} {in_lanes:?}");
+    }
+}
+
+/// Double pendulums at random, one angle in other units: the numbers of steps that are refused are those of before
+/// first moves were looked at, as is what steps lead to.
+#[test]
+fn steps_that_come_nearer_in_any_unit_are_taken() {
+    let mut random = SmallRng::seed_from_u64(7);
+    let mut refused = [0; 4];
+    for _ in 0..400 {
+        let mut next = |size: f64| size * (2.0 * random.random::<f64>() - 1.0);
+        let (q, p) = ([next(PI), next(PI)], [next(4.0), next(4.0)]);
+        for (refused, h) in refused.iter_mut().zip([0.1, 0.2, 0.4, 0.6]) {
+            for unit in [1.0, 64.0] {
+                let start = State::at([q[0], q[1] / unit]).moving([p[0], p[1] * unit]);
+                let mut run = Scene::hamiltonian(InUnits { unit }).simulate(start, Rattle::new(h)).unwrap();
+                *refused += u32::from(run.run(1).is_err());
+            }
+        }
+    }
+    assert_eq!(refused, [8, 70, 284, 442]);
 }
 
 /// Steps whose equation for p½ or q′ has no solution near by are errors, and nothing is moved.

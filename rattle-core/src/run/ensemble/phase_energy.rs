@@ -10,7 +10,7 @@ use crate::number::vector::{add_scaled, largest, scaled, sum};
 use crate::number::vectors::{at, put};
 use crate::run::ensemble::phase_fibre::{BY_ITSELF, GOES, RESTS};
 use crate::run::ensemble::phase_row::{Each, Laws, Number, Points, ROW, Vector, ZEROS};
-use crate::systems::phase::point::{MOVES, ROUNDING, ROUNDING_OF_BASE};
+use crate::systems::phase::point::{MOVES, ROUNDING, ROUNDING_OF_BASE, Roots};
 
 /// Passes after which a lane goes by itself.
 const MOST_PASSES: usize = 40;
@@ -97,6 +97,8 @@ impl<const D: usize> Leap<D> {
 
 /// An equation x = f(x) in each lane. (No closure: what is not inlined is compiled for no instruction set.)
 trait Equation<const D: usize> {
+    /// How many roots it may have, of which one is wanted.
+    const ROOTS: Roots;
     /// f(x) in a lane. Must be `#[inline(always)]`.
     fn at(&self, lane: usize, x: &[Number; D]) -> [Number; D];
 }
@@ -109,6 +111,8 @@ struct Kick<'a, X, const D: usize, const M: usize> {
 }
 
 impl<X: Laws<D, M>, const D: usize, const M: usize> Equation<D> for Kick<'_, X, D, M> {
+    const ROOTS: Roots = Roots::Many;
+
     #[inline(always)]
     fn at(&self, l: usize, kick: &[Number; D]) -> [Number; D] {
         let p = sum(&at(&self.from.p, l), kick);
@@ -126,6 +130,8 @@ struct Drift<'a, X, const D: usize, const M: usize> {
 }
 
 impl<X: Laws<D, M>, const D: usize, const M: usize> Equation<D> for Drift<'_, X, D, M> {
+    const ROOTS: Roots = Roots::Many;
+
     #[inline(always)]
     fn at(&self, l: usize, drift: &[Number; D]) -> [Number; D] {
         let q = sum(&at(self.from, l), drift);
@@ -143,6 +149,8 @@ struct SmallKick<'a, X, const D: usize, const M: usize> {
 }
 
 impl<X: Laws<D, M>, const D: usize, const M: usize> Equation<D> for SmallKick<'_, X, D, M> {
+    const ROOTS: Roots = Roots::One;
+
     #[inline(always)]
     fn at(&self, l: usize, p: &[Number; D]) -> [Number; D] {
         let (q, half) = (at(self.from, l), at(self.half, l));
@@ -162,6 +170,8 @@ struct SmallDrift<'a, X, const D: usize, const M: usize> {
 }
 
 impl<X: Laws<D, M>, const D: usize, const M: usize> Equation<D> for SmallDrift<'_, X, D, M> {
+    const ROOTS: Roots = Roots::One;
+
     #[inline(always)]
     fn at(&self, l: usize, q: &[Number; D]) -> [Number; D] {
         let (end, half) = (at(self.end, l), at(self.half, l));
@@ -173,8 +183,8 @@ impl<X: Laws<D, M>, const D: usize, const M: usize> Equation<D> for SmallDrift<'
 /// Iterates from 0, until each rests, in lanes that [go](GOES), and where the `lowest` is [`RESTS`], in those that rest
 /// as well; `base` is what x is added to.
 #[inline(always)]
-fn iterate<const D: usize>(
-    equation: &impl Equation<D>,
+fn iterate<E: Equation<D>, const D: usize>(
+    equation: &E,
     base: &Vector<D>,
     x: &mut Vector<D>,
     lowest: f64,
@@ -190,7 +200,8 @@ fn iterate<const D: usize>(
     // Their largest move of the last few, and of those before; and whether that does not fall.
     let (mut peak, mut peak_before): (Vector<D>, Vector<D>) = ([ZEROS; D], [[infinity; ROW]; D]);
     let mut stuck = [[false; ROW]; D];
-    let mut moved: Vector<D> = [ZEROS; D];
+    // Their last move, and their first one, from 0.
+    let (mut moved, mut way): (Vector<D>, Vector<D>) = ([ZEROS; D], [ZEROS; D]);
     for l in 0..ROW {
         settling[l] = Real::select(lowest.le(going[l]), goes, rests);
     }
@@ -216,6 +227,7 @@ fn iterate<const D: usize>(
             break;
         }
         if first {
+            way = moved;
             continue;
         }
         // Some are not at their own rounding yet: energies that are separable do not come here.
@@ -223,11 +235,13 @@ fn iterate<const D: usize>(
         for l in 0..ROW {
             let all = rounding * largest(&at(base, l)).max(largest(&at(x, l)));
             let (off, mut rested) = (largest(&at(&moved, l)), true);
+            let mut nearer = pass > 1 || E::ROOTS == Roots::One;
             for d in 0..D {
                 let moved = moved[d][l];
-                let (nearer, moves) = (moved.lt(half * least[d][l]), zero.lt(moved));
-                least[d][l] = Real::select(nearer & moves, moved, least[d][l]);
-                stalled[d][l] = (moves & !nearer) | (!moves & stalled[d][l]);
+                nearer |= moved.lt(way[d][l]);
+                let (halved, moves) = (moved.lt(half * least[d][l]), zero.lt(moved));
+                least[d][l] = Real::select(halved & moves, moved, least[d][l]);
+                stalled[d][l] = (moves & !halved) | (!moves & stalled[d][l]);
                 peak[d][l] = peak[d][l].max(moved);
                 if pass % MOVES == 0 {
                     let (now, before) = (peak[d][l], peak_before[d][l]);
@@ -240,7 +254,7 @@ fn iterate<const D: usize>(
                 let of_all = stuck[d][l] & moved.max(peak_before[d][l]).le(all);
                 rested &= moved.le(epsilon * size) | (stalled[d][l] & moved.le(own)) | of_all;
             }
-            let lost = end | (!off.lt(two * last[l]) & !off.le(all));
+            let lost = end | (!(nearer & off.lt(two * last[l])) & !off.le(all));
             let now = Real::select(rested, rests, Real::select(lost, by_itself, goes));
             settling[l] = Real::select(zero.lt(settling[l]), now, settling[l]);
             last[l] = off;

@@ -283,11 +283,11 @@ impl<const D: usize> Verlet<D> {
     pub(super) fn of<H: HamiltonianKernel<f64, D>>(energy: &H, h: f64, from: &Point<D>) -> Option<Self> {
         let Point { q, p } = from;
         let half = 0.5 * h;
-        let kick = settle(p, |kick| scaled(-half, &energy.gradients(q, &sum(p, kick)).0))?;
+        let kick = settle(p, Roots::Many, |kick| scaled(-half, &energy.gradients(q, &sum(p, kick)).0))?;
         let half_way = sum(p, &kick);
         let out = scaled(half, &energy.gradients(q, &half_way).1);
         let next = |drift: &_| add_scaled(&out, half, &energy.gradients(&sum(q, drift), &half_way).1);
-        let drift = settle(q, next)?;
+        let drift = settle(q, Roots::Many, next)?;
         let end = sum(q, &drift);
         let change = Point { q: drift, p: add_scaled(&kick, -half, &energy.gradients(&end, &half_way).0) };
         Some(Self { start: *q, half: half_way, end, change })
@@ -303,18 +303,35 @@ impl<const D: usize> Verlet<D> {
         let half = 0.5 * h;
         let at_start = |dq: &_, dp: &_| energy.hessian_vector(&self.start, &self.half, dq, dp);
         let at_end = |dq: &_, dp: &_| energy.hessian_vector(&self.end, &self.half, dq, dp);
-        let p = settle(&v.p, |p| add_scaled(&v.p, -half, &at_start(&v.q, p).0))?;
+        let p = settle(&v.p, Roots::One, |p| add_scaled(&v.p, -half, &at_start(&v.q, p).0))?;
         let out = add_scaled(&v.q, half, &at_start(&v.q, &p).1);
-        let q = settle(&v.q, |q| add_scaled(&out, half, &at_end(q, &p).1))?;
+        let q = settle(&v.q, Roots::One, |q| add_scaled(&out, half, &at_end(q, &p).1))?;
         Some(Point { q, p: add_scaled(&p, -half, &at_end(&q, &p).0) })
     }
 }
 
-/// x = f(x), iterated from f(0) until each component stays; none where one does not. `base` is what x is added to: a
-/// component that is small by cancellation has the rounding of that. What is no number is handed on.
-fn settle<const D: usize>(base: &[f64; D], f: impl Fn(&[f64; D]) -> [f64; D]) -> Option<[f64; D]> {
+/// How many roots an equation x = f(x) may have.
+///
+/// Of many, the step is the root that grows from 0 as h does. Where f is a contraction, with components in whatever
+/// units, that is the only root; the component that is largest in these units then moves less from f(0) to f(f(0)) than
+/// from 0 to f(0). Where no component moves less, the iteration may end at another root.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Roots {
+    /// Of a linear equation.
+    One,
+    Many,
+}
+
+/// x = f(x), iterated from f(0) until each component stays; none where one does not, or where it may stay at another
+/// [root](Roots). `base` is what x is added to: a component that is small by cancellation has the rounding of that.
+/// What is no number is handed on.
+fn settle<const D: usize>(
+    base: &[f64; D],
+    roots: Roots,
+    f: impl Fn(&[f64; D]) -> [f64; D],
+) -> Option<[f64; D]> {
     let (mut x, mut last) = (f(&[0.0; D]), f64::INFINITY);
-    let mut left = [Left::NONE; D];
+    let (first, mut left) = (x, [Left::NONE; D]);
     for pass in 1..=MAX_ITERATIONS {
         let next = f(&x);
         let moved = add_scaled(&next, -1.0, &x);
@@ -328,7 +345,9 @@ fn settle<const D: usize>(base: &[f64; D], f: impl Fn(&[f64; D]) -> [f64; D]) ->
         if rests || moved.iter().any(|x| x.is_nan()) {
             return Some(x);
         }
-        if !most.is_finite() || (most >= 2.0 * last && most > all) {
+        let nearer = |i: usize| moved[i].abs() < first[i].abs();
+        let astray = most >= 2.0 * last || pass == 1 && roots == Roots::Many && !(0..D).any(nearer);
+        if !most.is_finite() || (astray && most > all) {
             return None;
         }
         last = most;
