@@ -40,6 +40,10 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
     ) -> Result<Self::System<E, N>, Error> {
         const {
             assert!(
+                E::Forces::<f64>::FLOWS == 0,
+                "in phase space no drag, heat or force of velocity acts: they are for scenes with masses"
+            );
+            assert!(
                 size_of::<<E::Forces<f64> as Forces<f64, D>>::Force>() == 0,
                 "in phase space the Hamiltonian is the whole energy: write potentials into it"
             )
