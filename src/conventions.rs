@@ -27,8 +27,8 @@
 //!   [`phase`](crate::phase).
 //! * **Rigid bodies**: the rotation Q takes coordinates in the body's frame to coordinates in space. Angular momentum
 //!   is given in the body's frame.
-//! * **Residuals** are |g(q, t)|, in the unit of g, and |G v + ∂g/∂t| with v = M⁻¹p, in that unit over time. Error
-//!   messages give distances, |g|/|∇g|.
+//! * **Residuals** are |g(q, t)|, in the unit of g, and |G v + ∂g/∂t| with v = M⁻¹p (in phase space |{g, H}|), in that
+//!   unit over time. Error messages give distances, |g|/|∇g|.
 //! * **Units** are any that fit together. Results depend neither on their sizes nor on a constant factor of g, as long
 //!   as |∇g|, |p| and |q| stay within 1e±75, so that products of four are numbers. If g is multiplied by a power of
 //!   two, a simulation stays the same, bit for bit.

@@ -246,7 +246,7 @@ questions! {
     /// The present state, see [`Simulation::state`].
     fn state(&self) -> State<D>;
 
-    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.
+    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies; in phase space all of the energy H(q, p).
     fn kinetic_energy(&self) -> f64;
 
     /// The number of independent momenta, see [`Simulation::freedom`].

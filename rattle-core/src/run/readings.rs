@@ -110,7 +110,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         State { bodies: self.bodies.all(), time, time_low, remembered, steps, number, other_momenta: None }
     }
 
-    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.
+    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies; in phase space all of the energy H(q, p).
     pub fn kinetic_energy(&self) -> f64 {
         self.system.kinetic_energy(&self.bodies)
     }
@@ -207,7 +207,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         largest(&self.residuals())
     }
 
-    /// The largest |G(q)v + ∂g/∂t| of all equations, with v = M⁻¹p.
+    /// The largest |G(q)v + ∂g/∂t| of all equations, with v = M⁻¹p; in phase space the largest |{g, H}|.
     pub fn cotangent_residual(&self) -> f64 {
         largest(&answers::of_equations(&self.system, |out| self.system.drift_rates(&self.bodies, out)))
     }

@@ -76,7 +76,7 @@ impl<const D: usize> Columns<D> {
         self.with("p", Entry::Vectors, |now, to| now.momenta.iter().for_each(|p| to.extend(p.iter())))
     }
 
-    /// Adds `energies`: kinetic and potential.
+    /// Adds `energies`: kinetic and potential; in phase space all of the energy H(q, p), and 0.
     #[must_use]
     pub fn energies(self) -> Self {
         self.with("energies", Entry::Numbers, |now, to| {
