@@ -80,7 +80,7 @@ where
             Some(stages) if stages.q.len() == S * n => stages,
             _ => Box::new(Stages::new(S, n, &self.effects)),
         };
-        let solved = Solving { system: self, table, h, bodies }.solve_from_guesses(memory, &mut stages);
+        let solved = self.solve_from_guesses(table, h, bodies, memory, &mut stages);
         if let (true, Some((filled, past))) = (solved.is_ok(), memory.split_first_mut()) {
             *filled = T::from_f64(1.0);
             let (total, lambda) = past.split_at_mut(S * n * D);
@@ -97,82 +97,110 @@ where
     }
 }
 
-/// A step whose stages are to be found.
-struct Solving<'a, T: Scalar, K, F: Forces<T, D>, N: Count, L, const D: usize, const S: usize> {
-    system: &'a OnSurface<K, F, N, L>,
-    table: &'a Table<S>,
-    h: f64,
-    bodies: &'a BodiesOf<N, T, F, D>,
-}
-
-impl<T, K, F, N, L, const D: usize, const S: usize> Solving<'_, T, K, F, N, L, D, S>
-where
-    T: Scalar,
-    K: ConstraintKernel<T, D, 1>,
-    F: Forces<T, D>,
-    N: Count,
-    L: ConstraintKernel<Fused<f64>, D, 1>,
-{
-    /// Solves with one guess after the other.
-    fn solve_from_guesses(&self, memory: &[T], stages: &mut Stages<T, F, D>) -> Result<(), Failure> {
-        self.begin(stages);
-        if let Some((filled, past)) = memory.split_first()
-            && filled.to_f64() == 1.0
-        {
-            stages.extrapolate(self.table, past);
-            if self.solve(stages, FAR_GUESS).is_ok() {
-                return Ok(());
-            }
-            self.begin(stages);
-        }
-        stages.fill::<S>();
-        let solved = self.solve(stages, f64::INFINITY);
-        if solved.is_ok() || self.guess_by_steps(stages).is_err() {
-            return solved;
-        }
-        self.solve(stages, f64::INFINITY)
-    }
-
-    /// The first stage, at the start.
-    #[inline(always)]
-    fn begin(&self, stages: &mut Stages<T, F, D>) {
-        let Self { system, bodies, .. } = self;
-        for body in 0..system.count.number() {
-            (stages.lambda[body * S], stages.total[body * S]) = bodies.pull(&system.constraint, body);
-            stages.normal[body * S] = bodies.kept.normal.as_ref()[body].gradient;
-        }
-    }
-
+impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// Steps of RATTLE from node to node.
     #[cold]
     #[inline(never)]
-    fn guess_by_steps(&self, stages: &mut Stages<T, F, D>) -> Result<(), Failure> {
-        let Self { system, table, h, bodies } = *self;
+    fn guess_by_steps<T, const D: usize, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &BodiesOf<N, T, F, D>,
+        stages: &mut Stages<T, F, D>,
+    ) -> Result<(), Failure>
+    where
+        T: Scalar,
+        K: ConstraintKernel<T, D, 1>,
+        L: ConstraintKernel<Fused<f64>, D, 1>,
+        F: Forces<T, D>,
+    {
         let mut ahead = bodies.clone();
         for stage in 0..S {
             if stage > 0 {
                 let part = h * (table.nodes[stage] - table.nodes[stage - 1]);
-                system.drift(0.5 * part, part, &mut ahead, &mut ())?;
-                system.evaluate_forces(&mut ahead);
-                system.settle(0.5 * part, part, &mut ahead, &mut ())?;
+                self.drift(0.5 * part, part, &mut ahead, &mut ())?;
+                self.evaluate_forces(&mut ahead);
+                self.settle(0.5 * part, part, &mut ahead, &mut ())?;
             }
-            for body in 0..system.count.number() {
+            for body in 0..self.count.number() {
                 let at = body * S + stage;
-                (stages.lambda[at], stages.total[at]) = ahead.pull(&system.constraint, body);
+                (stages.lambda[at], stages.total[at]) = ahead.pull(&self.constraint, body);
             }
         }
         Ok(())
     }
 
+    /// The first stage, at the start.
+    #[inline(always)]
+    fn begin<T, const D: usize, const S: usize>(
+        &self,
+        bodies: &BodiesOf<N, T, F, D>,
+        stages: &mut Stages<T, F, D>,
+    ) where
+        T: Scalar,
+        K: ConstraintKernel<T, D, 1>,
+        F: Forces<T, D>,
+    {
+        for body in 0..self.count.number() {
+            (stages.lambda[body * S], stages.total[body * S]) = bodies.pull(&self.constraint, body);
+            stages.normal[body * S] = bodies.kept.normal.as_ref()[body].gradient;
+        }
+    }
+
+    /// Solves with one guess after the other.
+    fn solve_from_guesses<T, const D: usize, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &BodiesOf<N, T, F, D>,
+        memory: &[T],
+        stages: &mut Stages<T, F, D>,
+    ) -> Result<(), Failure>
+    where
+        T: Scalar,
+        K: ConstraintKernel<T, D, 1>,
+        L: ConstraintKernel<Fused<f64>, D, 1>,
+        F: Forces<T, D>,
+    {
+        self.begin::<T, D, S>(bodies, stages);
+        if let Some((filled, past)) = memory.split_first()
+            && filled.to_f64() == 1.0
+        {
+            stages.extrapolate(table, past);
+            if self.solve(table, h, bodies, stages, FAR_GUESS).is_ok() {
+                return Ok(());
+            }
+            self.begin::<T, D, S>(bodies, stages);
+        }
+        stages.fill::<S>();
+        let solved = self.solve(table, h, bodies, stages, f64::INFINITY);
+        if solved.is_ok() || self.guess_by_steps(table, h, bodies, stages).is_err() {
+            return solved;
+        }
+        self.solve(table, h, bodies, stages, f64::INFINITY)
+    }
+
     /// Iterates until the stages hold to rounding, unless the first guess is off by more than this part of the path.
-    fn solve(&self, stages: &mut Stages<T, F, D>, far_guess: f64) -> Result<(), Failure> {
-        let Self { system, table, h, bodies } = *self;
-        let n = system.count.number();
+    fn solve<T, const D: usize, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &BodiesOf<N, T, F, D>,
+        stages: &mut Stages<T, F, D>,
+        far_guess: f64,
+    ) -> Result<(), Failure>
+    where
+        T: Scalar,
+        K: ConstraintKernel<T, D, 1>,
+        F: Forces<T, D>,
+    {
+        let n = self.count.number();
         let zero = T::from_f64(0.0);
         let positions: [[T; S]; S] = from_fn(|i| from_fn(|j| T::from_f64(table.push(h, i, j).0)));
         let pushes: [[_; S]; S] = from_fn(|i| from_fn(|j| pair(table.push(h, i, j))));
         let drift: [_; S] = from_fn(|stage| pair(table.drift(h, stage)));
         lead(bodies.p.as_ref(), &pushes, &drift, stages);
+        let times = |stage: usize| bodies.time + h * table.nodes[stage];
         let (mut last, mut last_contraction, mut stalling) = (f64::INFINITY, 0.0, Stalling::START);
         for iteration in 0..MAX_ITERATIONS {
             for body in 0..n {
@@ -185,13 +213,13 @@ where
             }
             let renew = iteration == 0 || last > NORMALS_MOVE || last_contraction > 0.1;
             for stage in 1..S {
-                let at = Moment { time: self.time(stage), positions: &stages.q[stage * n..][..n] };
-                system.effects.evaluate(at, &mut stages.of_effects, &mut stages.force[stage * n..][..n]);
+                let at = Moment { time: times(stage), positions: &stages.q[stage * n..][..n] };
+                self.effects.evaluate(at, &mut stages.of_effects, &mut stages.force[stage * n..][..n]);
             }
             let (mut worst, mut slowest, mut slowest_size) = (0.0_f64, 0, zero);
             for body in 0..n {
                 let (moved, far) = improve(
-                    &system.constraint,
+                    &self.constraint,
                     (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]),
                     &positions,
                     (&stages.q[body..], &stages.force[body..], n),
@@ -218,18 +246,18 @@ where
                 }
             }
             if !worst.is_finite() {
-                return Err(self.not_finite(stages, slowest, iteration));
+                return Err(self.not_finite(h, times, stages, slowest, S, iteration));
             }
             let contraction = worst / last;
             let rounded = || {
                 let (q, n) = (&bodies.q.as_ref()[slowest], &bodies.kept.normal.as_ref()[slowest].gradient);
                 let normals = T::from_f64(worst * T::EPSILON) * slowest_size / dot(n, n).sqrt();
-                is_rounding(&system.constraint, q, n, slowest_size, normals)
+                is_rounding(&self.constraint, q, n, slowest_size, normals)
             };
             let stalled = (iteration > 3 && contraction >= 0.5 && worst < NOISE)
                 || (stalling.note(worst, iteration) && rounded());
             if worst <= LAST_OF_STAGES || stalled {
-                return self.upright(stages);
+                return self.upright::<T, D, S>(h, stages);
             }
             if iteration + 1 == MAX_ITERATIONS {
                 return Err(FailureAt::of(slowest).unsolved(h, S, MAX_ITERATIONS, worst));
@@ -242,19 +270,21 @@ where
         Ok(()) // not reached: the last iteration returns
     }
 
-    /// The time of a stage.
-    #[inline(always)]
-    fn time(&self, stage: usize) -> f64 {
-        self.bodies.time + self.h * self.table.nodes[stage]
-    }
-
     /// Refuses stages whose normals are turned far against those before.
     #[inline(always)]
-    fn upright(&self, stages: &Stages<T, F, D>) -> Result<(), Failure> {
-        for body in 0..self.system.count.number() {
+    fn upright<T, const D: usize, const S: usize>(
+        &self,
+        h: f64,
+        stages: &Stages<T, F, D>,
+    ) -> Result<(), Failure>
+    where
+        T: Scalar,
+        F: Forces<T, D>,
+    {
+        for body in 0..self.count.number() {
             let normal: &[[T; D]; S] = part(&stages.normal, body);
             if !(1..S).all(|i| T::from_f64(STAGES_ALIKE).lt(alike(&normal[i - 1], &normal[i]))) {
-                return Err(FailureAt::of(body).turned_over(self.h, S));
+                return Err(FailureAt::of(body).turned_over(h, S));
             }
         }
         Ok(())
@@ -263,20 +293,31 @@ where
     /// A force or the constraint is not a number at a stage, or the stages ran away.
     #[cold]
     #[inline(never)]
-    fn not_finite(&self, stages: &Stages<T, F, D>, body: usize, iterations: usize) -> Failure {
-        let n = self.system.count.number();
-        for stage in 1..S {
-            let at = Moment { time: self.time(stage), positions: &stages.q[stage * n..][..n] };
+    fn not_finite<T, const D: usize>(
+        &self,
+        h: f64,
+        times: impl Fn(usize) -> f64,
+        stages: &Stages<T, F, D>,
+        body: usize,
+        count: usize,
+        iterations: usize,
+    ) -> Failure
+    where
+        T: Scalar,
+        K: ConstraintKernel<T, D, 1>,
+        F: Forces<T, D>,
+    {
+        let n = self.count.number();
+        for stage in 1..count {
+            let at = Moment { time: times(stage), positions: &stages.q[stage * n..][..n] };
             let reached = at.positions[body].iter().all(|q| q.to_f64().is_finite());
-            if let (true, Some(failure)) = (reached, Failure::of_force(&self.system.effects, at, [body])) {
+            if let (true, Some(failure)) = (reached, Failure::of_force(&self.effects, at, [body])) {
                 return failure;
             }
         }
-        FailureAt::of(body).unsolved(self.h, S, iterations, f64::NAN)
+        FailureAt::of(body).unsolved(h, count, iterations, f64::NAN)
     }
-}
 
-impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// Takes the bodies to the end of the step, their momenta without the last kick. An error where g = 0, the last of
     /// the equations, does not hold there.
     #[inline(always)]
