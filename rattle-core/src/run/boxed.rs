@@ -279,7 +279,7 @@ questions! {
     /// The largest |g(q, t)| of all equations, in the unit of g.
     fn constraint_residual(&self) -> f64;
 
-    /// The largest |G(q)v + ∂g/∂t| of all equations, with v = M⁻¹p.
+    /// The largest |G(q)v + ∂g/∂t| of all equations, with v = M⁻¹p; in phase space |{g, H}|.
     fn cotangent_residual(&self) -> f64;
 
     /// Multipliers λ of the equations in order, see [`Simulation::multipliers`].
