@@ -189,8 +189,8 @@ pub fn weights(g: f64, masses: impl IntoIterator<Item = f64>) -> Over<Gravity, 1
 }
 
 /// Newton's gravitation between every two bodies of these masses: U = −Σ G mᵢ mⱼ / |qᵢ − qⱼ|. `constant` is G. Give the
-/// same masses to `Scene::masses`. A scene of more or fewer bodies refuses it. For thousands of bodies see
-/// [`charges`].
+/// same masses to `Scene::masses`. A scene of more or fewer bodies refuses it. For thousands of bodies with few
+/// different masses see [`Kinds`](crate::effect::Kinds), as for [`charges`].
 ///
 /// ```
 /// use rattle::potentials::gravitation;
@@ -214,6 +214,16 @@ pub fn gravitation(constant: f64, masses: impl IntoIterator<Item = f64>) -> Over
 /// `constant` k > 0. Bodies without charge are left out; a scene of more or fewer bodies than there are charges refuses
 /// it.
 ///
+/// ```
+/// use rattle::potentials::charges;
+/// use rattle::prelude::*;
+///
+/// let salt = Scene::points(3).with(charges(1.0, [1.0, -1.0, 0.0]));
+/// let simulation = salt.simulate(State::of([[0.0; 3], [0.5, 0.0, 0.0], [1.0, 0.0, 0.0]]), Rattle::new(0.01))?;
+/// assert_eq!(simulation.energy(), -2.0);
+/// # Ok::<(), rattle::Error>(())
+/// ```
+///
 /// Each pair takes some 50 bytes, so that 10 000 bodies take 2.5 GB. Where charges are of few kinds,
 /// [`Kinds`](crate::effect::Kinds) hold one potential for every two kinds, whatever the number of bodies:
 ///
@@ -227,18 +237,8 @@ pub fn gravitation(constant: f64, masses: impl IntoIterator<Item = f64>) -> Over
 /// let salt = Scene::points::<3>(1000).with(Kinds::mixed(kind_of_body, between));
 /// # let places = (0..1000).map(|body| [f64::from(body), 0.0, 0.0]);
 /// # let simulation = salt.simulate(State::of(places), Rattle::new(0.01))?;
-/// # let madelung = simulation.energy() / 999.5;
-/// # assert!((madelung + 2.0_f64.ln()).abs() < 1e-3, "{madelung}"); // less for the ends
-/// # Ok::<(), rattle::Error>(())
-/// ```
-///
-/// ```
-/// use rattle::potentials::charges;
-/// use rattle::prelude::*;
-///
-/// let salt = Scene::points(3).with(charges(1.0, [1.0, -1.0, 0.0]));
-/// let simulation = salt.simulate(State::of([[0.0; 3], [0.5, 0.0, 0.0], [1.0, 0.0, 0.0]]), Rattle::new(0.01))?;
-/// assert_eq!(simulation.energy(), -2.0);
+/// # let of_each = simulation.energy() / 1000.0;
+/// # assert!((of_each + 2.0_f64.ln()).abs() < 1e-3, "{of_each}"); // Madelung's constant, but for the ends
 /// # Ok::<(), rattle::Error>(())
 /// ```
 pub fn charges(constant: f64, charges: impl IntoIterator<Item = f64>) -> Over<InverseDistance, 2> {

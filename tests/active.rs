@@ -247,6 +247,7 @@ fn what_makes_no_sense_is_refused() {
     );
     assert!(told(SelfPropulsion::new(1.0, f64::NAN, 1)).contains("rotational diffusion must be"));
     assert!(told(push().headed([[1.0, 0.0, 0.0]; 2])).contains("2 numbers were given for 1 body"));
+    assert!(told(push().headed([])).contains("0 numbers were given for 1 body"));
     let along = told(push().headed([[0.0, 0.0, 2.0]]));
     assert!(along.contains("the heading [0.0, 0.0, 2.0] of body 0 has no part along the surface"), "{along}");
     let rods = Scene::points::<3>(2).link(Rod { length: 1.0 }, [[0, 1]]).with(push());

@@ -483,6 +483,9 @@ fn what_makes_no_sense_is_refused() {
     };
     let field = MagneticField::new([0.0, 0.0, 1.0]);
     assert_eq!(told(field.clone().charges([1.0])), "effect `MagneticField`: 1 number was given for 2 bodies");
+    let drag = Scene::points::<1>(2).with(rattle::effect::LinearDrag::new(1.0).times([]));
+    let of_drag = drag.simulate(State::of([[0.0], [1.0]]), Rattle::new(0.1)).unwrap_err().to_string();
+    assert_eq!(of_drag, "effect `LinearDrag`: 0 numbers were given for 2 bodies");
     // Also one that is empty by mistake.
     assert_eq!(told(field.clone().charges([])), "effect `MagneticField`: 0 numbers were given for 2 bodies");
     assert!(told(field.charges([1.0, f64::NAN])).contains("a charge must be finite, found NaN"));

@@ -67,8 +67,11 @@ pub enum PhaseFailure {
         /// The step size: in a composition, that of the stage.
         h: f64,
     },
-    /// The Störmer–Verlet step of a Hamiltonian that is not separable was not solved.
-    #[error("the step of H alone has no solution near q = {position:?} (h = {h:.3e}); try a smaller step")]
+    /// The Störmer–Verlet step of a Hamiltonian that is not separable was not solved, or may have been by another root
+    /// than the one that comes from the state.
+    #[error(
+        "the step of H alone has no solution near q = {position:?}, or may have others (h = {h:.3e}); try a smaller step"
+    )]
     ImplicitStep {
         /// The step size: in a composition, that of the stage.
         h: f64,

@@ -266,9 +266,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize>
         let Self { lanes: RenewedLanes { whole, .. }, laws, block, .. } = self;
         let (least, lanes) = (self.lanes.least(), &[true; L]);
         LookingAround { block, laws: *laws, parts: &[*whole], steps, lanes, least: &|_| least }.run()?;
-        if steps.is_multiple_of(EVERY) {
-            self.set_limits(lanes);
-        }
+        self.set_limits(lanes);
         Ok(())
     }
 

@@ -95,6 +95,8 @@ pub(super) struct Path {
     pub(super) averages: Vec<f64>,
     pub(super) largest_momentum: f64,
     pub(super) kinetic: f64,
+    /// The energy at the end, or the largest kinetic one if that is more: energies are rounded by parts of it.
+    pub(super) size: f64,
     pub(super) iterations: Option<u64>,
     /// Seconds that it took, looks included.
     pub(super) seconds: f64,
@@ -164,6 +166,7 @@ impl Runner<'_> {
         }
         path.seconds = self.clock.now() - begun;
         path.iterations = moving.iterations();
+        path.size = moving.energy().abs().max(path.kinetic);
         let (last, number) = (moving.observed(), (pilot.looks * steps) as f64);
         path.averages = zip(sums, last).map(|(sum, last)| (sum - 0.5 * last) / number).collect();
         Ok(path)

@@ -268,8 +268,8 @@ fn choose(
         }
         other => other,
     })?;
-    let kinetic = measured.reference.path.kinetic;
-    let limits = Limits { seconds: allowance.budget, flows: scene.flows(), kinetic };
+    let energy = measured.reference.path.size;
+    let limits = Limits { seconds: allowance.budget, flows: scene.flows(), energy };
     let runner = Runner { scene, clock: &allowance.clock, deadline: begun + allowance.budget };
     let prices = &measured.prices;
     if prices.needs_positions(what) && lost(prices) || uncertain(prices, what).is_some_and(|by| by > wish) {
@@ -390,8 +390,8 @@ struct Limits {
     seconds: f64,
     /// Whether flows act, which are of second order.
     flows: bool,
-    /// The largest kinetic energy, by which energies are rounded.
-    kinetic: f64,
+    /// The size of the energy, by which it is rounded.
+    energy: f64,
 }
 
 impl Limits {
@@ -438,7 +438,7 @@ fn limit(prices: &Prices, best: Option<&Price>, error: f64, what: Quantity, limi
     };
     let rounded = match what {
         Quantity::Energy => {
-            larger_or_nan(prices.reference_energy_error.unwrap_or(0.0), f64::EPSILON * limits.kinetic)
+            larger_or_nan(prices.reference_energy_error.unwrap_or(0.0), f64::EPSILON * limits.energy)
         }
         _ => known,
     };

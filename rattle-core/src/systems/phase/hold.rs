@@ -41,7 +41,8 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
         const {
             assert!(
                 E::Forces::<f64>::FLOWS == 0,
-                "in phase space no drag, heat or force of velocity acts: they are for scenes with masses"
+                "in phase space no drag, heat or other flow of momenta acts: they are for scenes with masses; a magnetic field \
+                 is |p - A(q)|^2/2 in H"
             );
             assert!(
                 size_of::<<E::Forces<f64> as Forces<f64, D>>::Force>() == 0,

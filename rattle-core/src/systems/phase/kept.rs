@@ -27,7 +27,8 @@
 //! by half of itself is refused.
 //!
 //! Without equations a step is Φₕ alone: of an energy T(p) + U(q) leapfrog, of others an implicit equation for p½ and
-//! one for q′, which are solved to rounding, and refused where a step is so long that they may have other solutions.
+//! one for q′, which are solved to rounding. They may have other solutions where a step is long: it is refused where
+//! the iteration brings no component nearer at first.
 //!
 //! H is reported as kinetic energy; the shadow energy is NaN.
 //!
