@@ -259,13 +259,13 @@ fn variables_have_their_order() {
         (
             Macro::Hamiltonian,
             "|p: [f64; 2], x: [f64; 2]| dot(p, p) + dot(x, x)",
-            "coordinates come first, then momenta: write `|x, p|`",
+            "coordinates come first, then momenta: write `|x: [f64; 2], p: [f64; 2]|`",
         ),
         (Macro::Hamiltonian, "|v, q| v^2 + q^4", "coordinates come first, then momenta: write `|q, v|`"),
         (
             Macro::PhaseConstraint,
             "|p0: [f64; 2], q0: [f64; 2]| p0[0] - q0[1]",
-            "coordinates come first, then momenta: write `|q0, p0|`",
+            "coordinates come first, then momenta: write `|q0: [f64; 2], p0: [f64; 2]|`",
         ),
     ];
     for (which, written, expected) in rows {
