@@ -142,21 +142,20 @@ fn check_halves(variables: &[Variable], problems: &mut Problems) {
     if let Some(early) = (0..half).find(|&place| is_p(place))
         && (several || is_coordinate(&of_p[0]) || !is_p(half))
     {
-        let (momenta, coordinates): (Vec<_>, Vec<_>) =
-            variables.iter().enumerate().partition(|&(place, _)| is_p(place));
-        let message = if !several {
-            let order = written(variables.iter().rev().map(|variable| ("", variable)));
-            format!("coordinates come first, then momenta: write `{order}`")
-        } else if coordinates.len() == momenta.len() {
-            let order = with_momenta(coordinates.into_iter().map(|(_, coordinate)| coordinate));
-            format!("coordinates come first, then momenta: write `{order}`")
-        } else {
-            format!(
-                "by their names {} of these are momenta and {} coordinates; each coordinate has one momentum, called as \
-                 it is behind a p: `|x, y, px, py|`",
+        let (momenta, coordinates): (Vec<_>, Vec<_>) = (0..names.len()).partition(|&place| is_p(place));
+        let order = match several {
+            false => Some(written(variables.iter().rev().map(|variable| ("", variable)))),
+            true if coordinates.len() != momenta.len() => None,
+            true => Some(with_momenta(coordinates.into_iter().map(|place| &variables[place]))),
+        };
+        let message = match order {
+            Some(order) => format!("coordinates come first, then momenta: write `{order}`"),
+            None => format!(
+                "{} of these {} are called as momenta are; each coordinate has one momentum, called as it is behind a \
+                 p: `|x, y, px, py|`",
                 momenta.len(),
-                coordinates.len()
-            )
+                names.len()
+            ),
         };
         return problems.note_at(&variables[early].name, message);
     }
