@@ -1,12 +1,16 @@
 //! Events inside steps: collisions, and edges of constraints.
 
 use crate::effect::contact::Contacts;
-use crate::error::Error;
+use crate::error::{Error, StepFailure};
+use crate::methods::able::view;
+use crate::motion::failure::Failure;
 use crate::motion::method::Method;
-use crate::motion::stir::draws;
+use crate::motion::stir::{Chosen, draws};
 use crate::motion::system::System;
-use crate::run::events::{Events, Search};
-use crate::run::simulation::Simulation;
+use crate::motion::witness::Hears;
+use crate::run::events::{Search, Stretch};
+use crate::run::simulation::{Events, Simulation};
+use crate::run::trouble::Trouble;
 use std::sync::Arc;
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
@@ -139,12 +143,68 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         (own.meetings.kinds, own.over_kinks) = (kinds, over_kinks);
     }
 
+    /// Takes the step just made apart where something happens inside it; in parts, as often halved as is allowed, where
+    /// the way back does not lead to where it began.
+    fn meet(&mut self, stepped: Result<(), Failure>, witness: &mut dyn Hears<f64>) -> Result<(), Error> {
+        let halvings = self.most_halvings();
+        let mut met = self.meet_halved(0, Some(stepped.map_err(Trouble::from)), witness);
+        for least in 1..=halvings {
+            if !matches!(met, Err(Trouble::NotReversed { .. })) {
+                break;
+            }
+            self.put_back();
+            met = self.meet_halved(least, None, witness);
+        }
+        met.map_err(|mut trouble| {
+            self.put_back();
+            self.explain(&mut trouble);
+            trouble.told(self.steps + 1, self.time())
+        })
+    }
+
+    /// Takes a step apart where something happens inside it, each stretch in halves at least so often; it is the one
+    /// that went so, or is made.
+    fn meet_halved(
+        &mut self,
+        least: u32,
+        went: Option<Result<(), Trouble>>,
+        witness: &mut dyn Hears<f64>,
+    ) -> Result<(), Trouble> {
+        let (noise, most) = (self.noise(), self.most_halvings());
+        let Some(events) = self.events.as_deref_mut() else { return Ok(()) };
+        let Events { search, start, aside, .. } = events;
+        self.system.put_aside(&self.before, start);
+        let (system, method, bodies) = (&self.system, &self.method, &mut self.bodies);
+        let (flows, halvings, parts, heard) = (Chosen::inside(system), least..=most, None, true);
+        let mut stretch =
+            Stretch { system, method, bodies, start, noise, aside, witness, heard, halvings, flows, parts };
+        let number = match flows {
+            Chosen::All => {
+                // An edge that is to be crossed is found in the whole step.
+                let divides = |failure: &Failure| {
+                    most > 0 && !(search.over_kinks && matches!(failure.cause, StepFailure::Kink { .. }))
+                };
+                let went = went
+                    .filter(|went| !matches!(went, Err(Trouble::Failed { failure, .. }) if divides(failure)));
+                let went = went.unwrap_or_else(|| stretch.go(method.step_size().abs()));
+                search.meet(&mut stretch, went)
+            }
+            _ => stretch.between_flows(|stretch, went| search.meet(stretch, went)),
+        }?;
+        let parts = stretch.parts;
+        events.number += number;
+        if parts.is_some() {
+            self.memory = self.method.memory(view(&self.method, &self.system)?, &self.bodies);
+        }
+        if number == 0 { self.compare(parts.unwrap_or(1)) } else { Ok(()) }
+    }
+
     fn with_events(&mut self) -> &mut Events<Y, S, D> {
         let bodies = self.bodies();
         self.goes_again = true;
         self.events.get_or_insert_with(|| {
             let (start, aside) = (self.before.clone(), [(); 4].map(|()| self.before.clone()));
-            Box::new(Events { meet: Search::meet, search: Search::among(bodies), number: 0, start, aside })
+            Box::new(Events { meet: Self::meet, search: Search::among(bodies), number: 0, start, aside })
         })
     }
 }

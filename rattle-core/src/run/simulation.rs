@@ -14,7 +14,7 @@ use crate::motion::stir::{Chosen, draws, step};
 use crate::motion::system::System;
 use crate::motion::witness::{Hears, Witness};
 use crate::number::clock::{later, steps_to};
-use crate::run::events::{Events, Stretch};
+use crate::run::events::Search;
 use crate::run::trouble::Trouble;
 use crate::run::watch::listening::{Held, Listening};
 use crate::run::watch::observer::Observer;
@@ -76,6 +76,20 @@ pub(super) struct Reversal<Y: System<f64, D>, S: Method, const D: usize> {
     /// That of a method that has not made a step.
     pub(super) blank: S::Memory<f64>,
     pub(super) memory: S::Memory<f64>,
+}
+
+/// What is looked for in each step, and the room to do so.
+#[derive(Clone)]
+pub(super) struct Events<Y: System<f64, D>, S: Method, const D: usize> {
+    /// What takes a step apart: compiled for those who ask for it.
+    #[allow(clippy::type_complexity, reason = "said once")]
+    pub(super) meet:
+        fn(&mut Simulation<Y, S, D>, Result<(), Failure>, &mut dyn Hears<f64>) -> Result<(), Error>,
+    pub(super) search: Search<D>,
+    /// How many there were.
+    pub(super) number: u64,
+    pub(super) start: Saved<Y::Count, f64, D>,
+    pub(super) aside: [Saved<Y::Count, f64, D>; 4],
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
@@ -382,8 +396,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     #[cold]
     #[inline(never)]
     fn go_again(&mut self, stepped: Result<(), Failure>, witness: &mut dyn Hears<f64>) -> Result<(), Error> {
-        if self.events.is_some() {
-            return self.meet(stepped, witness);
+        if let Some(meet) = self.events.as_ref().map(|events| events.meet) {
+            return meet(self, stepped, witness);
         }
         match stepped.map_err(Trouble::from).and_then(|()| self.compare(1)) {
             Ok(()) => Ok(()),
@@ -391,64 +405,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         }
     }
 
-    /// Takes the step just made apart where something happens inside it; in parts, as often halved as is allowed, where
-    /// the way back does not lead to where it began.
-    fn meet(&mut self, stepped: Result<(), Failure>, witness: &mut dyn Hears<f64>) -> Result<(), Error> {
-        let halvings = self.most_halvings();
-        let mut met = self.meet_halved(0, Some(stepped.map_err(Trouble::from)), witness);
-        for least in 1..=halvings {
-            if !matches!(met, Err(Trouble::NotReversed { .. })) {
-                break;
-            }
-            self.put_back();
-            met = self.meet_halved(least, None, witness);
-        }
-        met.map_err(|mut trouble| {
-            self.put_back();
-            self.explain(&mut trouble);
-            trouble.told(self.steps + 1, self.time())
-        })
-    }
-
-    /// Takes a step apart where something happens inside it, each stretch in halves at least so often; it is the one
-    /// that went so, or is made.
-    fn meet_halved(
-        &mut self,
-        least: u32,
-        went: Option<Result<(), Trouble>>,
-        witness: &mut dyn Hears<f64>,
-    ) -> Result<(), Trouble> {
-        let (noise, most) = (self.noise(), self.most_halvings());
-        let Some(events) = self.events.as_deref_mut() else { return Ok(()) };
-        let Events { meet, search, start, aside, .. } = events;
-        self.system.put_aside(&self.before, start);
-        let (system, method, bodies) = (&self.system, &self.method, &mut self.bodies);
-        let (flows, halvings, parts, heard) = (Chosen::inside(system), least..=most, None, true);
-        let mut stretch =
-            Stretch { system, method, bodies, start, noise, aside, witness, heard, halvings, flows, parts };
-        let number = match flows {
-            Chosen::All => {
-                // An edge that is to be crossed is found in the whole step.
-                let divides = |failure: &Failure| {
-                    most > 0 && !(search.over_kinks && matches!(failure.cause, StepFailure::Kink { .. }))
-                };
-                let went = went
-                    .filter(|went| !matches!(went, Err(Trouble::Failed { failure, .. }) if divides(failure)));
-                let went = went.unwrap_or_else(|| stretch.go(method.step_size().abs()));
-                meet(search, &mut stretch, went)
-            }
-            _ => stretch.between_flows(|stretch, went| meet(search, stretch, went)),
-        }?;
-        let parts = stretch.parts;
-        events.number += number;
-        if parts.is_some() {
-            self.memory = self.method.memory(view(&self.method, &self.system)?, &self.bodies);
-        }
-        if number == 0 { self.compare(parts.unwrap_or(1)) } else { Ok(()) }
-    }
-
     /// How often a step may be halved.
-    fn most_halvings(&self) -> u32 {
+    pub(in crate::run) fn most_halvings(&self) -> u32 {
         let whole = self.method.momentum_delay() != 0.0 || self.method.undivided().is_some();
         match &self.halving {
             Some(halving) if !whole => halving.most,
@@ -482,7 +440,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// Where bodies could not be moved for a reason that a kink can have, looks for one.
-    fn explain(&mut self, trouble: &mut Trouble) {
+    pub(in crate::run) fn explain(&mut self, trouble: &mut Trouble) {
         if let Trouble::Failed { failure, .. } = trouble
             && failure.may_be_of_a_kink()
         {
@@ -514,7 +472,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// Compares the step just made, in so many parts, with the way back, if that is asked for.
     #[inline(always)]
-    fn compare(&mut self, parts: u32) -> Result<(), Trouble> {
+    pub(in crate::run) fn compare(&mut self, parts: u32) -> Result<(), Trouble> {
         match self.reversal.as_ref().map(|reversal| reversal.take) {
             Some(take) => take(self, parts),
             None => Ok(()),
@@ -522,7 +480,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// Everything as it was before the step under way.
-    fn put_back(&mut self) {
+    pub(in crate::run) fn put_back(&mut self) {
         self.system.put_back(&mut self.bodies, &self.before);
         self.memory.as_mut().copy_from_slice(self.memory_before.as_ref());
     }

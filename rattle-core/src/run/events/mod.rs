@@ -22,7 +22,6 @@ mod meeting;
 mod resolved;
 mod stretch;
 
-use crate::motion::bodies::Saved;
 use crate::motion::method::Method;
 use crate::motion::system::System;
 use crate::run::trouble::Trouble;
@@ -30,7 +29,6 @@ use crate::run::watch::seen::Seen;
 use edge::Edge;
 pub(in crate::run) use meeting::Meetings;
 use meeting::WhichContact;
-use std::fmt;
 pub(in crate::run) use stretch::Stretch;
 
 /// Impacts in a step, for each body.
@@ -49,20 +47,6 @@ const MOST_PARTS: u32 = 1 << 16;
 /// Steps of methods of a higher order may be several periods long, if these do not follow roots in them: half of them
 /// are looked at in any case.
 const LOOKS_INSIDE: u32 = 12;
-
-/// What is looked for in each step, and the room to do so.
-#[derive(Clone)]
-pub(in crate::run) struct Events<Y: System<f64, D>, S: Method, const D: usize> {
-    /// What takes a step apart: compiled for those who ask for it.
-    #[allow(clippy::type_complexity, reason = "said once")]
-    pub(in crate::run) meet:
-        fn(&mut Search<D>, &mut Stretch<'_, Y, S, D>, Result<(), Trouble>) -> Result<u64, Trouble>,
-    pub(in crate::run) search: Search<D>,
-    /// How many there were.
-    pub(in crate::run) number: u64,
-    pub(in crate::run) start: Saved<Y::Count, f64, D>,
-    pub(in crate::run) aside: [Saved<Y::Count, f64, D>; 4],
-}
 
 /// What is looked for.
 #[derive(Debug)]
@@ -314,14 +298,5 @@ impl<const D: usize> Search<D> {
             }
         }
         Ok(first)
-    }
-}
-
-impl<Y: System<f64, D>, S: Method, const D: usize> fmt::Debug for Events<Y, S, D> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Events")
-            .field("search", &self.search)
-            .field("number", &self.number)
-            .finish_non_exhaustive()
     }
 }

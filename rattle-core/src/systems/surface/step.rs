@@ -8,7 +8,7 @@ use crate::motion::bodies::Count;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
 use crate::motion::start::MAX_PROJECTION_STEPS;
-use crate::motion::witness::Witness;
+use crate::motion::witness::{Hears, Whoever, Witness};
 use crate::number::real::Scalar;
 use crate::number::vector::{dot, largest, scaled, sum, two_sum};
 use crate::solve::nearing::Nearing;
@@ -93,7 +93,7 @@ impl<N: Count, T: Scalar, F: Forces<T, D>, const D: usize> BodiesOf<N, T, F, D> 
     #[allow(clippy::too_many_arguments, reason = "as above")]
     #[cold]
     #[inline(never)]
-    fn drift_rarely<W: Witness<T>>(
+    fn drift_rarely(
         &mut self,
         kick: f64,
         h: f64,
@@ -101,7 +101,7 @@ impl<N: Count, T: Scalar, F: Forces<T, D>, const D: usize> BodiesOf<N, T, F, D> 
         body: usize,
         attempt: &Attempt<T, D>,
         (kind, from_state): (Kind, bool),
-        witness: &mut W,
+        witness: &mut dyn Hears<T>,
     ) -> Result<(), Failure> {
         let by_default = from_state && kind == Kind::Newton;
         let lambda = from_state.then(|| attempt.guess / T::from_f64(0.5 * h * h)); // as known as second derivatives
@@ -115,7 +115,7 @@ impl<N: Count, T: Scalar, F: Forces<T, D>, const D: usize> BodiesOf<N, T, F, D> 
             departure.land_instead(equation, attempt, matches!(kind, Kind::Newton | Kind::Symmetric))?
         };
         let off = if other { T::from_f64(f64::NAN) } else { landing.multiplier - attempt.guess };
-        self.arrive(kick, h, body, &landing, off, witness);
+        self.arrive(kick, h, body, &landing, off, &mut Whoever(witness));
         Ok(())
     }
 
