@@ -145,7 +145,8 @@ fn on_rim(angle: f64) -> Vector3<f64> {
 #[test]
 fn conjugate_points_between_places_that_are_not_curved() {
     let (a, b) = (on_rim(-0.3), on_rim(0.3));
-    for s in [2000.0, 2500.0, 3000.0, 4000.0, 5000.0, 6000.0, 8000.0, 10_000.0] {
+    let sharp = [2000.0, 4000.0, 10_000.0, 2500.0, 3000.0, 5000.0, 6000.0, 8000.0];
+    for s in sharp.into_iter().take(if cfg!(long) { 8 } else { 3 }) {
         let rim = Sharpened { s, w: 0.04, aside: 0.0 };
         let found = geodesic_distance(&rim, &a, &b).unwrap().distance;
         assert!(found < 0.6 - 1e-4, "s = {s}: {found}");

@@ -35,8 +35,9 @@ fn temperature<S: Method>(
 ) -> f64 {
     let start = |i| scene.maxwell(&State::at([1.0, 0.0, 0.0]).numbered(i), KT, 5).unwrap();
     let mut ensemble = scene.ensemble((0..128).map(start), method).unwrap().retry(8);
-    let mean =
-        ensemble.observe(1000, 1, || Mean::of(|now: &Sight<'_, 3>| 0.5 * now.momentum().norm_squared()));
+    let mean = ensemble.observe(if cfg!(long) { 1000 } else { 250 }, 1, || {
+        Mean::of(|now: &Sight<'_, 3>| 0.5 * now.momentum().norm_squared())
+    });
     assert_eq!(ensemble.failures().count(), 0);
     mean.mean()
 }
@@ -53,8 +54,10 @@ fn fast_draws_are_as_frequent_as_they_should_be() {
         ("RATTLE", temperature(&heated, Rattle::new(0.2))),
         ("RATTLE, Andersen", temperature(&kicked, Rattle::new(0.2))),
     ] {
-        // Of 128 000 momenta, of which those of a time of 2 are one sample, it is known to 0.04 or so; draws are fixed.
-        assert!((found - KT).abs() < 0.1, "{name}: {found}");
+        // Of 128 000 momenta, of which those of a time of 2 are one sample, it is known to 0.04 or so, of a fourth of
+        // them to twice that; draws are fixed.
+        let bound = if cfg!(long) { 0.1 } else { 0.2 };
+        assert!((found - KT).abs() < bound, "{name}: {found}");
     }
 }
 
@@ -132,7 +135,7 @@ fn a_step_in_parts_is_a_finer_one() {
 /// Walls turn momenta round, and do not cool. When they chose among random numbers, kT was 0.669 with this step.
 #[test]
 fn walls_do_not_cool() {
-    let (kt, h, steps) = (0.7, 0.3, 400_000);
+    let (kt, h, steps) = (0.7, 0.3, if cfg!(long) { 400_000 } else { 100_000 });
     let heat = |seed| Langevin { friction: 1.0, temperature: kt, seed };
     let scene = Scene::point().with(heat(1));
     let mut run = scene

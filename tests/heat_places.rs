@@ -49,7 +49,7 @@ fn over_angles(density: impl Fn(f64) -> f64, f: impl Fn(f64) -> f64) -> f64 {
 /// the determinant (m₀ + m₁)(m₁ + m₂) − m₀m₂ cos²θ, but for a factor. Others are that of equal masses, and all angles
 /// alike, as without rods.
 fn angles_between_rods(method: impl Method, settle: u64, [samples, every]: [u64; 2], steps: f64) {
-    let light = 0.3;
+    let (light, number) = (0.3, if cfg!(long) { 1024 } else { 512 });
     let scene = Scene::points::<2>(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]).masses([1.0, light, 1.0]);
     let start = |i: u32| {
         let angle = TAU * f64::from(i) / 512.0;
@@ -61,11 +61,11 @@ fn angles_between_rods(method: impl Method, settle: u64, [samples, every]: [u64;
         2.0 * (q[1] - q[0]).dot(&(q[2] - q[1])).powi(2) - 1.0
     };
     let found = if method.name() == "Brownian motion" {
-        let mut ensemble = scene.ensemble((0..1024).map(start), method).unwrap();
+        let mut ensemble = scene.ensemble((0..number).map(start), method).unwrap();
         ensemble.run(settle);
         mean(&mut ensemble, samples, every, twice)
     } else {
-        let mut ensemble = scene.with(HEAT).ensemble((0..1024).map(start), method).unwrap();
+        let mut ensemble = scene.with(HEAT).ensemble((0..number).map(start), method).unwrap();
         ensemble.run(settle);
         mean(&mut ensemble, samples, every, twice)
     };
