@@ -32,7 +32,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut simulation = scene.simulate(start, Rattle::new(0.01))?;
 
     let path = "out/checkpoint/run.rattle";
-    std::fs::create_dir_all("out/checkpoint")?;
     let saving = Saving::to(path).every_time(Duration::from_secs(1)).until(stop);
     if saving.restore(&mut simulation)? {
         println!("going on after {} steps, from {path}", simulation.steps());

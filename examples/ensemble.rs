@@ -66,7 +66,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("trajectory {trajectory}: {error}");
     }
 
-    std::fs::create_dir_all("out/ensemble")?;
     let dots = section.crossings().iter().filter(|crossing| crossing.positions[0].z > 0.0).step_by(4);
     let dots = dots.map(|crossing| (crossing.positions[0].x, crossing.momenta[0].x)).take(30_000);
     Chart::new("Through the plane y = 0 towards y > 0, where z > 0")

@@ -135,7 +135,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .line("energy − energy at the start", early(gain))
         .line("work", early(work))
         .save("out/foucault/energy.svg")?;
-    println!("\nWritten to out/foucault: ground.svg, direction.svg, energy.svg");
+    println!("\nWritten to out/foucault: ground.svg, direction.svg, energy.svg, index.html");
     Ok(())
 }
 

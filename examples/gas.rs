@@ -34,7 +34,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("\n{}", simulation.bill()?);
     let mesh = Mesh::around(surface(&sphere), [0.0, 0.0, r], 60)?;
     let motion = Scene3::new("atoms on a sphere").surface(&mesh).trajectory(&trajectory);
-    std::fs::create_dir_all("out")?;
     Page::new("A gas").scene(motion).write("out/gas.html")?;
     Ok(())
 }

@@ -8,7 +8,7 @@
 //! keeps the energy to rounding, so that what is left is the method's. Writes `out/hard_spheres/index.html`, in which
 //! the beads move.
 
-use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rattle::curvature::points;
 use rattle::effect::HardSpheres;
 use rattle::prelude::*;
 use rattle::surfaces::Lemniscate;
@@ -17,24 +17,11 @@ use rattle::view::{Mesh, Page, Scene3, surface};
 const SURFACE: Lemniscate = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
 const DIAMETER: f64 = 0.12;
 
-/// Places that are farther apart than a diameter, momenta in any direction along the surface.
-fn start() -> State<3> {
-    let (one, mut random) = (Scene::on(SURFACE), StdRng::seed_from_u64(1));
-    let mut beads: Vec<[nalgebra::Vector3<f64>; 2]> = Vec::new();
-    while beads.len() < 30 {
-        let mut draw = |r: f64| nalgebra::Vector3::from_fn(|_, _| random.random_range(-r..r));
-        let Ok(state) = one.project(&State::at(draw(1.0)).moving(draw(1.0))) else { continue };
-        let (Some(q), Some(p)) = (state.positions().next(), state.momenta().next()) else { continue };
-        if beads.iter().all(|other| (other[0] - q).norm() > 1.05 * DIAMETER) {
-            beads.push([q, p]);
-        }
-    }
-    State::of(beads.iter().map(|bead| bead[0])).with_momenta(beads.iter().map(|bead| bead[1]))
-}
-
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let start = start();
-    let scene = Scene::on(SURFACE).bodies(start.len());
+    let scene = Scene::on(SURFACE).bodies(30);
+    let (low, high) = ([-1.2, -0.6, -0.25], [1.2, 0.6, 0.25]);
+    let places = points::apart(&SURFACE, low, high, 30, 1.05 * DIAMETER, 1)?;
+    let start = scene.maxwell(&State::of(places), 0.1, 1)?; // momenta in any direction along the surface
     let mut gas = scene.simulate(start, Lobatto::<5>::new(0.01))?.collide(HardSpheres::new(DIAMETER))?;
     let mut trajectory = Trajectory::of(&gas);
     println!("     t   collisions   energy error   nearest − diameter");

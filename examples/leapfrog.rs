@@ -36,10 +36,12 @@ struct Run {
 
 fn run(angle: f64, momentum: f64, h: f64) -> Result<Run, rattle::Error> {
     let scene = Scene::point().with(Weight {});
-    let mut simulation = scene.simulate(State::at([angle]).moving([momentum]), Leapfrog::new(h))?;
+    let method = Leapfrog::new(h);
+    let start = scene.staggered(&State::at([angle]).moving([momentum]), &method)?; // momenta of half a step later
+    let mut simulation = scene.simulate(start, method)?;
     let mut run =
         Run { angle: Vec::new(), momentum: Vec::new(), energies: (f64::INFINITY, f64::NEG_INFINITY) };
-    let mut before = momentum; // at the half step before the position
+    let mut before = 2.0 * momentum - simulation.momentum().x; // at the half step before the position
     while simulation.time() < 500.0 {
         run.angle.push((simulation.time(), simulation.position().x));
         run.momentum.push((simulation.momentum_time(), simulation.momentum().x));

@@ -97,7 +97,7 @@ fn flows_that_draw_nothing_act_in_parts() {
     let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.5, 0.5]);
     let scene = Scene::on(Sphere { r: 1.0 });
     let field = || MagneticField::new([0.0, 0.0, 2.0]);
-    let (alone, h, steps) = (scene.clone().with(field()), 1.5, 40);
+    let (alone, h, steps) = (scene.with(field()), 1.5, 40);
     assert!(alone.simulate(start.clone(), Rattle::new(h)).unwrap().run(steps).is_err());
     let nothing = Langevin { friction: 1e-15, temperature: 0.0, seed: 3 };
     let beside = scene.with(nothing).with(field());

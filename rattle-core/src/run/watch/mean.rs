@@ -170,6 +170,24 @@ impl<Q> Mean<Q> {
         Self { over_time: true, ..Self::of(quantity) }
     }
 
+    /// Adds a value as that of one more sight: of a chain whose states are not those of one simulation, as where a
+    /// proposal is rejected and the state before it counts once more.
+    ///
+    /// ```
+    /// # use rattle::watch::{Mean, Sight};
+    /// let mut mean = Mean::of(|now: &Sight<'_, 1>| now.positions[0].x);
+    /// [1.0, 2.0, 2.0, 3.0].into_iter().for_each(|x| mean.add(x));
+    /// assert_eq!((mean.number(), mean.mean()), (4, 2.0));
+    /// ```
+    #[inline(always)]
+    pub fn add(&mut self, value: f64) {
+        self.recent[self.number] = value;
+        self.number += 1;
+        if self.number == RECENT {
+            self.settle();
+        }
+    }
+
     fn moments(&self) -> Moments {
         self.all.and(Moments::of(&self.recent[..self.number]))
     }
@@ -260,17 +278,14 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Mean<Q> {
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
         let value = (self.quantity)(now);
         self.several |= self.trajectory.replace(now.trajectory).is_some_and(|last| last != now.trajectory);
-        self.recent[self.number] = match self.jumped.take().filter(|&(since, ..)| since == before.time) {
+        let value = match self.jumped.take().filter(|&(since, ..)| since == before.time) {
             _ if !self.over_time => value,
             None => 0.5 * ((self.quantity)(before) + value),
             Some((_, [integral, last, time], _)) => {
                 (integral + 0.5 * (last + value) * (now.time - time)) / (now.time - before.time)
             }
         };
-        self.number += 1;
-        if self.number == RECENT {
-            self.settle();
-        }
+        self.add(value);
     }
 
     fn sees_jumps(&self) -> bool {
