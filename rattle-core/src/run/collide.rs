@@ -26,11 +26,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     ///
     /// Impulses respect constraints and masses. Elastic impulses conserve the kinetic energy to rounding; the energy
     /// lost in others counts as negative [`work`](Self::work), and what moving constraints do in an impact as work.
-    /// [`StepFailure::NoWayApart`](crate::error::StepFailure::NoWayApart) where constraints let nobody part.
+    /// [`StepFailure::NoWayApart`] where constraints let nobody part.
     /// [`events`](Self::events) counts impacts. Where a contact would stay closed, like that of a ball at rest on a
-    /// floor, the step fails with [`StepFailure::Rests`](crate::error::StepFailure::Rests); a step with more
+    /// floor, the step fails with [`StepFailure::Rests`]; a step with more
     /// elastic impacts than 1000 for each body fails with
-    /// [`StepFailure::TooManyImpacts`](crate::error::StepFailure::TooManyImpacts).
+    /// [`StepFailure::TooManyImpacts`].
     ///
     /// Random forces act before the whole step and after it, whatever happens between: a contact does not choose among
     /// them. Inside of them other flows act before and after each stretch between contacts.
@@ -75,7 +75,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// The same simulation, whose steps cross edges (kinks) of a constraint. Without this a step that meets an edge
-    /// fails with [`StepFailure::Kink`](crate::error::StepFailure::Kink). The step is taken up to the edge; there the
+    /// fails with [`StepFailure::Kink`]. The step is taken up to the edge; there the
     /// momentum is rotated about the edge into the new side. The component along the edge and the size of the component
     /// across it are unchanged, so energy is conserved to rounding, and a free particle moves along a straight line if
     /// the two sides are unfolded into a plane. Where two edges meet, or the surface ends, the step still fails.
