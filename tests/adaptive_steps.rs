@@ -170,3 +170,55 @@ fn series_turn_back_before_bumps() {
         assert!(run.position().x < 0.0 && run.energy_error().abs() < 1e-5, "{x}: {}", run.position().x);
     }
 }
+
+constraint! {
+    /// A tube along x.
+    struct Tube {}
+    |_x, y, z| y^2 + z^2 - 1
+}
+
+constraint! {
+    /// A plane that goes to and fro.
+    struct Shaken {}
+    |x, _y, t| x - sin(t)
+}
+
+/// Equal inner steps are rounded alike: what each of hundreds loses of the time would add up. Along a tube x tells how
+/// much time has passed, while the way around it has inner steps be short; by simulations and in lanes, of one equation
+/// and of links.
+#[test]
+fn long_steps_take_all_of_their_time() {
+    fn check<S: Method>(method: S) {
+        let (h, name) = (method.step_size(), method.name());
+        let start = || State::of([[0.0, 1.0, 0.0]]).with_momenta([[1.0, 0.0, 1.0]]);
+        let mut passed = Vec::new();
+        macro_rules! both {
+            ($scene:expr) => {
+                let mut alone = $scene.simulate(start(), method.clone()).unwrap();
+                alone.run(1).unwrap();
+                passed.push(alone.positions().next().unwrap().x);
+                let mut lanes = $scene.ensemble(vec![start(); 8], method.clone()).unwrap();
+                lanes.run(1);
+                passed.push(lanes.state(3).positions().next().unwrap().x);
+            };
+        }
+        both!(Scene::on(Tube {}));
+        both!(Scene::points(1).link(Tube {}, [[0]]));
+        assert!(passed.iter().all(|x| (x - h).abs() <= 2.0 * f64::EPSILON * h), "{name}: {passed:?}");
+    }
+    check(Taylor::adaptive(18, 400.0, 1e-15));
+    check(Dop853::adaptive(100.0, 1e-12));
+
+    // Where the plane is tells what time it is.
+    fn check_time<S: Method>(method: S) {
+        let (h, name) = (method.step_size(), method.name());
+        let plane = Scene::points(1).link_moving(Shaken {}, [[0]]);
+        let start = State::of([[0.0, 0.0]]).with_momenta([[1.0, 0.0]]);
+        let mut run = plane.simulate(start, method).unwrap();
+        run.run(1).unwrap();
+        let x = run.positions().next().unwrap().x;
+        assert!((x - h.sin()).abs() <= f64::EPSILON * h, "{name}: {:e}", x - h.sin());
+    }
+    check_time(Taylor::adaptive(18, 1000.0, 1e-11));
+    check_time(Dop853::adaptive(1000.0, 1e-10));
+}

@@ -31,6 +31,7 @@ use crate::motion::need::{Kicks, WithRates};
 use crate::motion::parts::BodiesOf;
 use crate::motion::system::System;
 use crate::motion::witness::{AtEnd, Witness};
+use crate::number::clock::Parts;
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 
@@ -180,8 +181,10 @@ impl Dop853 {
             let landed = stages.arrive(system, bodies, self.h)?;
             return look_inside(self, [self.h; 2], system.0, stages.start, bodies, landed).map(|()| 1);
         };
-        let (mut left, mut inner, mut made, mut number) = (self.h, self.h, 0.0_f64, 0_u32);
+        let mut parts = Parts::of(self.h, bodies.time);
+        let (mut inner, mut made, mut number) = (self.h, 0.0_f64, 0_u32);
         loop {
+            let left = parts.left();
             let last = inner.abs() >= left.abs();
             if last {
                 inner = left;
@@ -201,6 +204,8 @@ impl Dop853 {
                 }
                 look_inside(self, [left, inner], system.0, stages.start, bodies, landed)?;
                 number += 1;
+                parts.go(inner);
+                bodies.time = parts.time();
                 if last {
                     return Ok(number);
                 }
@@ -209,7 +214,6 @@ impl Dop853 {
                     let cause = MethodFailure::TooManyInnerSteps { inner, h, tolerance }.into();
                     return Err(Failure { body, cause });
                 }
-                left -= inner;
                 made = made.max(inner.abs());
                 inner *= fitting;
                 let energy = stages.energy_at_end;

@@ -37,6 +37,7 @@ use crate::motion::need::{Kicks, WithRates, WithSeries};
 use crate::motion::parts::BodiesOf;
 use crate::motion::system::System;
 use crate::motion::witness::{AtEnd, Witness};
+use crate::number::clock::Parts;
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, extent, largest, scaled, sum, two_sum};
 
@@ -200,16 +201,19 @@ impl Taylor {
             return look_inside(self, [self.h; 2], system.0, start, bodies, landed).map(|()| 1);
         };
         let mut number = 0_u32;
-        let (mut left, mut short, mut most) = (self.h, 0, (f64::INFINITY, 0, tolerance));
+        let mut parts = Parts::of(self.h, bodies.time);
+        let (mut short, mut most) = (0, (f64::INFINITY, 0, tolerance));
         let (mut made, mut nudges) = (0.0_f64, 0);
         loop {
             let (mut longest, mut body) = self.longest(bodies, series, tolerance, motion.unit(bodies));
             // Where it is short, too: right behind the edge of a branch whose high rates jump.
             let short_there = nudges > 0 && longest < SMALLEST_PART * self.h.abs();
             if nudges < MOST_NUDGES && (longest.is_nan() || short_there) {
-                let time = NUDGE * left * LONGER.powi(nudges);
+                let time = NUDGE * parts.left() * LONGER.powi(nudges);
                 if self.nudge(system, bodies, start, (series, pushed), time)? {
-                    (nudges, left, number) = (nudges + 1, left - time, number.saturating_add(1));
+                    (nudges, number) = (nudges + 1, number.saturating_add(1));
+                    parts.go(time);
+                    bodies.time = parts.time();
                     bodies.save(start);
                     motion.expand(bodies, series, &mut ());
                     continue;
@@ -228,6 +232,7 @@ impl Taylor {
                 let cause = MethodFailure::of_short_steps([inner; 2], made, error, [self.h, tolerance]);
                 return Err(Failure { body, cause: cause.into() });
             }
+            let left = parts.left();
             let last = longest >= left.abs();
             let whole = if last { left } else { longest.copysign(left) };
             let bent = self.bent_inside(system, bodies, start, (&*series, &mut *pushed), whole, tolerance);
@@ -254,10 +259,11 @@ impl Taylor {
                 return Err(Failure { body: 0, cause: cause.into() });
             }
             number = number.saturating_add(1);
+            parts.go(inner);
+            bodies.time = parts.time();
             if last && inner == whole {
                 return Ok(number);
             }
-            left -= inner;
             made = made.max(inner.abs());
             bodies.save(start);
             motion.expand(bodies, series, &mut ());

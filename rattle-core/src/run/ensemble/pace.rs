@@ -5,6 +5,7 @@ use crate::methods::dop853::SMALLEST_PART;
 use crate::motion::method::Method;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
+use crate::number::vector::two_sum;
 use crate::run::ensemble::engine::Stuck;
 use crate::systems::network::in_lanes::{Number, Numbers, Which, zeros};
 
@@ -23,8 +24,10 @@ pub(super) const BY_ITSELF: u64 = 2;
 pub(super) struct Pace<const W: usize> {
     h: f64,
     tolerance: Option<f64>,
-    /// How much of the step is left, and the lengths of the inner step and of the next one.
+    /// How much of the step is left, and what rounding took from that; the lengths of the inner step and of the next
+    /// one.
     pub(super) left: Numbers<W>,
+    left_low: Numbers<W>,
     pub(super) inner: Numbers<W>,
     pub(super) next: Numbers<W>,
     /// Whether the inner step is within the tolerance.
@@ -36,8 +39,9 @@ pub(super) struct Pace<const W: usize> {
 impl<const W: usize> Pace<W> {
     /// For steps of this method.
     pub(super) fn new(method: &impl Method) -> Self {
-        let ([left, inner, next], h, tolerance) = ([zeros(); 3], method.step_size(), method.tolerance());
-        Self { h, tolerance, left, inner, next, taken: [true; W], going: [ARRIVED; W] }
+        let ([left, left_low, inner, next], h) = ([zeros(); 4], method.step_size());
+        let tolerance = method.tolerance();
+        Self { h, tolerance, left, left_low, inner, next, taken: [true; W], going: [ARRIVED; W] }
     }
 
     /// The whole step.
@@ -50,6 +54,7 @@ impl<const W: usize> Pace<W> {
     pub(super) fn begin(&mut self) {
         let h = self.h();
         (self.left.0, self.inner.0, self.going) = ([h; W], [h; W], [MOVES; W]);
+        self.left_low = zeros();
     }
 
     /// Begins an inner step, which goes no farther than the step.
@@ -88,12 +93,15 @@ impl<const W: usize> Pace<W> {
         for l in 0..W {
             let (goes, takes, left) = (self.going[l] == MOVES, self.takes(l), self.left.0[l]);
             moves[l] = u64::from(takes);
-            let left = if takes { left - self.inner.0[l] } else { left };
+            let ([less], [lost]) = two_sum(&[left], &[-self.inner.0[l]]);
+            let low = self.left_low.0[l];
+            let (left, low) = if takes { (less, low + lost) } else { (left, low) };
             let collapsed = !self.taken[l] & (self.next.0[l].0.abs() < shortest);
             let arrived = left.0 == 0.0;
             let on = if arrived { ARRIVED } else { MOVES };
             let on = if collapsed | (end & !arrived) { BY_ITSELF } else { on };
-            (self.left.0[l], self.inner.0[l]) = (left, self.next.0[l]);
+            let ([left], [low]) = two_sum(&[left], &[if arrived { Fused(0.0) } else { low }]);
+            (self.left.0[l], self.left_low.0[l], self.inner.0[l]) = (left, low, self.next.0[l]);
             self.going[l] = if goes { on } else { self.going[l] };
             any |= self.going[l] == MOVES;
         }

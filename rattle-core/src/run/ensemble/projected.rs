@@ -119,10 +119,10 @@ where
     S: Lane,
     M: Projects<S, L, D>,
 {
-    let Scratch { now, trial, way, change, left, inner, next, taken, .. } = scratch;
+    let Scratch { now, trial, way, change, left, left_low, inner, next, taken, .. } = scratch;
     let Scratch { strays, going, seeking, distance, rounding, room, .. } = scratch;
     *now = row.place;
-    (*left, *inner) = ([h; L], [h; L]);
+    (*left, *left_low, *inner) = ([h; L], [S::default(); L], [h; L]);
     (*going, *strays) = ([S::from_f64(1.0); L], [S::default(); L]);
     for pass in 0..MOST_PASSES {
         method.sum::<SUMS>(laws, now, left, inner, next, taken, [way, change], room);
@@ -142,7 +142,17 @@ where
         if let Some((bends, left_out, tolerance)) = method.bends(room) {
             compare(h, inner, (bends, left_out), S::from_f64(tolerance), [now, trial], going, taken);
         }
-        if !take::<S, L, D, SUMS>(pass, h, inner, next, taken, left, going, now, trial) {
+        if !take::<S, L, D, SUMS>(
+            pass,
+            h,
+            inner,
+            next,
+            taken,
+            [&mut *left, &mut *left_low],
+            going,
+            now,
+            trial,
+        ) {
             break;
         }
     }
@@ -393,7 +403,7 @@ fn take<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
     inner: &mut [S; L],
     next: &[S; L],
     taken: &[bool; L],
-    left: &mut [S; L],
+    [left, left_low]: [&mut [S; L]; 2],
     going: &mut [S; L],
     now: &mut Place<S, L, D>,
     trial: &Place<S, L, D>,
@@ -405,11 +415,14 @@ fn take<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
     for l in 0..L {
         let goes = zero.lt(going[l]);
         moves[l] = goes & taken[l];
-        let rest = S::select(moves[l], left[l] - inner[l], left[l]);
+        let ([less], [lost]) = two_sum(&[left[l]], &[-inner[l]]);
+        let rest = S::select(moves[l], less, left[l]);
         let collapsed = !taken[l] & next[l].abs().lt(shortest);
         let arrived = S::select(rest.abs().le(zero), zero, one);
         let on = S::select(collapsed | (end & zero.lt(arrived)), by_itself, arrived);
-        left[l] = rest;
+        let low = left_low[l] + S::select(moves[l], lost, zero);
+        let ([rest], [low]) = two_sum(&[rest], &[S::select(zero.lt(arrived), low, zero)]);
+        (left[l], left_low[l]) = (rest, low);
         inner[l] = next[l];
         going[l] = S::select(goes, on, going[l]);
         any |= zero.lt(going[l]);

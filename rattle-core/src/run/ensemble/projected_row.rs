@@ -45,8 +45,10 @@ pub(super) struct Scratch<S, R, const L: usize, const D: usize> {
     /// What an inner step changes places and momenta by, before it is projected.
     pub(super) way: Vectors<S, L, D>,
     pub(super) change: Vectors<S, L, D>,
-    /// How much of the step is left, and the lengths of the inner step and of the next one; all with the sign of h.
+    /// How much of the step is left, and what rounding took from that; the lengths of the inner step and of the next
+    /// one. All with the sign of h.
     pub(super) left: [S; L],
+    pub(super) left_low: [S; L],
     pub(super) inner: [S; L],
     pub(super) next: [S; L],
     /// Whether an inner step is taken.
@@ -121,6 +123,7 @@ impl<S: Lane, R, const L: usize, const D: usize> Scratch<S, R, L, D> {
             way: vectors,
             change: vectors,
             left: zero,
+            left_low: zero,
             inner: zero,
             next: zero,
             taken: [false; L],

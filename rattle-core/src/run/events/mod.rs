@@ -24,6 +24,7 @@ mod stretch;
 
 use crate::motion::method::Method;
 use crate::motion::system::System;
+use crate::number::clock::Parts;
 use crate::run::trouble::Trouble;
 use crate::run::watch::seen::Seen;
 use edge::Edge;
@@ -97,11 +98,11 @@ impl<const D: usize> Search<D> {
     ) -> Result<u64, Trouble> {
         let whole = stretch.method.step_size().abs();
         let most = MOST * self.normals[0].len() as u64;
-        let (mut left, mut number, mut idle) = (whole, 0, 0);
+        let (mut parts, mut number, mut idle) = (Parts::of(whole, 0.0), 0, 0);
         self.meetings.begin();
         loop {
-            let Some((event, after)) = self.first(stretch, left, went)? else { return Ok(number) };
-            let before = self.jumps.as_ref().map(|_| stretch.seen(whole - left + after));
+            let Some((event, after)) = self.first(stretch, parts.left(), went)? else { return Ok(number) };
+            let before = self.jumps.as_ref().map(|_| stretch.seen(parts.time() + after));
             let earlier = number;
             number += match event {
                 Event::Impacts(which) => {
@@ -114,22 +115,22 @@ impl<const D: usize> Search<D> {
                 }
                 Event::Edge(edge) if number == most => return Err(edge.failure.into()),
                 Event::Edge(edge) => {
-                    left -= edge::cross(stretch, edge, &mut self.normals)?;
+                    parts.go(edge::cross(stretch, edge, &mut self.normals)?);
                     idle = 0;
                     1
                 }
             };
-            left -= after;
+            parts.go(after);
             if let (Some(jumps), Some(before)) = (&mut self.jumps, before)
                 && number > earlier
             {
-                jumps.push([before, stretch.seen(whole - left)]);
+                jumps.push([before, stretch.seen(parts.time())]);
             }
             stretch.begin();
-            if left <= f64::EPSILON * whole {
+            if parts.left() <= f64::EPSILON * whole {
                 return Ok(number);
             }
-            went = stretch.go(left);
+            went = stretch.go(parts.left());
         }
     }
 
