@@ -1,7 +1,7 @@
 //! Impacts that are hard to find: of gaps that are rounded much more coarsely than places are, behind a near miss
 //! within one step, and in steps that are taken in parts.
 
-use rattle::effect::{Contacts, DryFriction, HardSpheres, LinearDrag, Stop};
+use rattle::effect::{Contacts, DryFriction, Gradient, HardSpheres, LinearDrag, Stop};
 use rattle::error::StepFailure;
 use rattle::potentials::Gravity;
 use rattle::prelude::*;
@@ -296,4 +296,41 @@ fn what_cannot_part_from_a_curved_wall_is_told() {
         let exact = -2.0 * askew.cos() / askew.sin();
         assert!((v.x / exact - 1.0).abs() < 1e-3 && v.y == 0.0 && (v.z - 1.0).abs() < 1e-12, "{askew}: {v}");
     }
+}
+
+/// A gap that is no number, and tells no bodies.
+#[derive(Debug)]
+struct Lost;
+
+impl Contacts<3> for Lost {
+    fn name(&self) -> &'static str {
+        "Lost"
+    }
+    fn restitution(&self) -> f64 {
+        1.0
+    }
+    fn check(&self, _: usize) -> Result<(), Error> {
+        Ok(())
+    }
+    fn near(&self, _: &[[f64; 3]], _: f64, _: &mut Vec<usize>, found: &mut Vec<usize>) {
+        found.push(0);
+    }
+    fn gap(&self, _: usize, q: &[[f64; 3]], gradient: &mut Gradient<3>) -> f64 {
+        if q[0][2] < 0.0 {
+            return f64::NAN;
+        }
+        gradient.push((0, [0.0, 0.0, 1.0]));
+        1.0 + q[0][2]
+    }
+}
+
+#[test]
+fn a_gap_that_is_no_number_is_told() {
+    let ball =
+        Scene::point().simulate(State::at([0.0, 0.0, 0.25]).moving([0.0, 0.0, -1.0]), Rattle::new(0.1));
+    let mut ball = ball.unwrap().collide(Lost).unwrap();
+    let error = ball.run(9).unwrap_err();
+    let cause =
+        |error: &Error| matches!(error, Error::Step { cause: StepFailure::ConstraintNotFinite { .. }, .. });
+    assert!(cause(&error) && ball.steps() == 2, "{error}");
 }

@@ -296,7 +296,7 @@ impl<const D: usize> Meetings<D> {
             if end.gap.is_nan() {
                 let position =
                     self.touched().iter().flat_map(|&body| stretch.bodies.q.as_ref()[body]).collect();
-                let body = self.touched()[0];
+                let body = self.touched().first().copied().unwrap_or(0);
                 return Err(Failure { body, cause: StepFailure::ConstraintNotFinite { position } }.into());
             }
             let about = if start.meets() {
