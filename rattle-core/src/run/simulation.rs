@@ -291,12 +291,13 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     ) -> Result<(), Error> {
         let every = every.max(1);
         let mut before = Seen::new(self.steps, 1, self.bodies(), |page| self.look(page));
+        before.corrections = self.corrections();
         let mut now = before.clone();
         // A step that is taken again in parts tells of those that stand.
         let mut held = (self.goes_again || self.halving.is_some()).then(Held::default);
         for _ in 0..steps / every {
             self.take_shown(every, Listening { observer, held: held.as_mut() }, &before)?;
-            now.steps = self.steps;
+            (now.steps, now.corrections) = (self.steps, self.corrections());
             self.look(now.page());
             observer.see(&before.sight(self), &now.sight(self));
             observer.failure().map_or(Ok(()), Err)?;

@@ -64,7 +64,7 @@ impl<const D: usize> Onlooker<'_, D> {
     pub(crate) fn show(&mut self, group: &dyn Watched<D>, finish: impl Fn(Page<'_, D>)) {
         for page in &mut self.pages[..self.written] {
             finish(page.page());
-            page.steps = self.next;
+            (page.steps, page.corrections) = (self.next, group.source().corrections());
             self.next = self.next.saturating_add(self.every);
             (self.show)(page, group);
         }

@@ -329,7 +329,8 @@ impl<const D: usize> Ensemble<D> {
     ) {
         let taken = self.steps;
         let start = |(group, observer): (&mut Box<dyn Group<D>>, _)| {
-            let now = Seen::new(taken, group.len(), group.bodies(), |page| group.look(page));
+            let mut now = Seen::new(taken, group.len(), group.bodies(), |page| group.look(page));
+            now.corrections = group.source().corrections();
             // A part of a group has as many pages as a whole one, since lanes are asked where they are once for all
             // pages.
             let numbers = now.numbers() / group.len().max(1) * group.moving().len();

@@ -115,11 +115,13 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
     /// What is seen of bodies this far from the start of the step.
     pub(super) fn seen(&self, passed: f64) -> Seen<D> {
         let (q, p) = (self.bodies.q.as_ref(), self.bodies.p.as_ref());
-        Seen::new(0, 1, q.len(), |page| {
+        let mut seen = Seen::new(0, 1, q.len(), |page| {
             page.times[0] = self.sign() * passed;
             write(q, page.positions);
             write(p, page.momenta);
-        })
+        });
+        seen.corrections = self.system.corrections(self.bodies);
+        seen
     }
 
     /// Begins anew where bodies are.

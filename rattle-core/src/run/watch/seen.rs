@@ -7,6 +7,8 @@ use nalgebra::SVector;
 #[derive(Debug, Clone)]
 pub(crate) struct Seen<const D: usize> {
     pub(crate) steps: u64,
+    /// Corrections in position equations by then, where there is one trajectory that counts them.
+    pub(crate) corrections: Option<u64>,
     times: Vec<f64>,
     positions: Vec<SVector<f64, D>>,
     momenta: Vec<SVector<f64, D>>,
@@ -32,7 +34,8 @@ impl<const D: usize> Seen<D> {
     ) -> Self {
         let zeros = vec![SVector::zeros(); trajectories * bodies];
         let times = vec![0.0; trajectories];
-        let mut seen = Self { steps, times, positions: zeros.clone(), momenta: zeros, bodies };
+        let mut seen =
+            Self { steps, corrections: None, times, positions: zeros.clone(), momenta: zeros, bodies };
         write(seen.page());
         seen
     }
@@ -56,8 +59,9 @@ impl<const D: usize> Seen<D> {
     /// The only trajectory.
     #[inline(always)]
     pub(crate) fn sight<'a>(&'a self, source: &'a dyn Source<D>) -> Sight<'a, D> {
-        let Self { steps, ref times, ref positions, ref momenta, .. } = *self;
-        Sight { trajectory: 0, step: steps, time: times[0], positions, momenta, source: (source, 0) }
+        let Self { steps, corrections, ref times, ref positions, ref momenta, .. } = *self;
+        let (time, source) = (times[0], (source, 0));
+        Sight { trajectory: 0, step: steps, time, positions, momenta, corrections, source }
     }
 
     /// The trajectories in turn, the first of which has this number.
@@ -72,8 +76,8 @@ impl<const D: usize> Seen<D> {
             let (positions, momenta);
             ((positions, places), (momenta, ways)) =
                 (places.split_at(self.bodies), ways.split_at(self.bodies));
-            let (trajectory, step) = (first + own, self.steps);
-            Sight { trajectory, step, time, positions, momenta, source: (source, own) }
+            let (trajectory, step, corrections) = (first + own, self.steps, self.corrections);
+            Sight { trajectory, step, time, positions, momenta, corrections, source: (source, own) }
         })
     }
 }

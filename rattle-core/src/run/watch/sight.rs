@@ -19,7 +19,7 @@ pub trait Source<const D: usize> {
     /// kT: twice the kinetic energy, without that imposed by moving constraints, divided by the number of independent
     /// momenta.
     fn temperature(&self, trajectory: usize, sight: &Sight<'_, D>) -> f64;
-    /// The number of corrections in the solution of position equations since the start; `None` where they are not
+    /// The number of corrections in the solution of position equations since the start, now; `None` where they are not
     /// counted.
     fn corrections(&self) -> Option<u64> {
         None
@@ -47,6 +47,8 @@ pub struct Sight<'a, const D: usize> {
     pub positions: &'a [SVector<f64, D>],
     /// Momenta of the bodies.
     pub momenta: &'a [SVector<f64, D>],
+    /// Corrections in position equations by then, where they are counted.
+    pub(crate) corrections: Option<u64>,
     /// What answers further questions, and under which number it knows the trajectory.
     pub(crate) source: (&'a dyn Source<D>, usize),
 }
@@ -139,7 +141,7 @@ impl<const D: usize> Sight<'_, D> {
     /// [`Simulation::corrections`](crate::run::simulation::Simulation::corrections).
     #[must_use]
     pub fn corrections(&self) -> Option<u64> {
-        self.source.0.corrections()
+        self.corrections
     }
 
     /// The step size of the method.
