@@ -17,6 +17,9 @@
 //!
 //! Each try is a step of the method from the start of the stretch, so the instant is that of the method's own motion.
 //! A gap that is closed at the start and opens is divided by the time: s = 0 is not the root that is sought.
+//!
+//! Where constraints hold a closed gap, as a rod does between balls as thick as it is long, what the gap and its rate
+//! tell is rounding. Such a contact is left out of a stretch at whose end the gap has not really closed.
 
 use crate::effect::contact::{Contacts, Gradient};
 use crate::error::StepFailure;
@@ -32,7 +35,7 @@ use crate::solve::aim::noise_of_terms;
 use std::sync::Arc;
 
 /// Contacts with gaps of less than so many roundings are closed; gaps are landed on to two.
-const TOUCHING: f64 = 64.0;
+pub(super) const TOUCHING: f64 = 64.0;
 /// Newton's corrections until a bracket is halved at every second try.
 const CORRECTIONS: u32 = 12;
 /// Tries until a bracket has come to its rounding, or a dip to its bottom.
@@ -70,6 +73,10 @@ impl Look {
     fn with_noise(self, noise: f64) -> Self {
         Self { rounding: self.rounding.max(noise), touching: self.touching.max(2.0 * noise), ..self }
     }
+    /// Whether the contact is closed here, and no farther by the end, but for rounding.
+    fn stays(&self, end: &Self) -> bool {
+        self.touches() && end.gap >= self.gap.min(0.0) - self.touching
+    }
     /// Whether the contact is closed and would open into the other body.
     pub(super) fn meets(&self) -> bool {
         self.touches() && self.rate < -self.slow
@@ -86,6 +93,13 @@ pub(super) struct Suspect {
     about: f64,
 }
 
+impl Suspect {
+    /// Whether the contact is closed where the stretch begins, and no farther by its end, but for rounding.
+    pub(super) fn stays(&self) -> bool {
+        self.start.stays(&self.end)
+    }
+}
+
 /// Contacts, and the room to look at them.
 #[derive(Debug, Clone)]
 pub(in crate::run) struct Meetings<const D: usize> {
@@ -96,6 +110,8 @@ pub(in crate::run) struct Meetings<const D: usize> {
     pub(super) near: Vec<WhichContact>,
     /// Those that do not, though they look like it.
     cleared: Vec<WhichContact>,
+    /// Those whose gaps are held by constraints where the stretch begins.
+    pub(super) held: Vec<WhichContact>,
     /// Of gaps in this step that are rounded more coarsely than their gradients tell.
     pub(super) noises: Vec<(WhichContact, f64)>,
     found: Vec<usize>,
@@ -117,6 +133,7 @@ impl<const D: usize> Meetings<D> {
             rooms: Vec::new(),
             near: Vec::new(),
             cleared: Vec::new(),
+            held: Vec::new(),
             noises: Vec::new(),
             found: Vec::new(),
             gradient: Vec::new(),
@@ -136,6 +153,7 @@ impl<const D: usize> Meetings<D> {
     /// Begins a stretch.
     pub(super) fn begin_stretch(&mut self) {
         self.cleared.clear();
+        self.held.clear();
     }
 
     /// A contact as it is at these places; ∇gap is left in `gradient`.
@@ -298,6 +316,9 @@ impl<const D: usize> Meetings<D> {
                     self.touched().iter().flat_map(|&body| stretch.bodies.q.as_ref()[body]).collect();
                 let body = self.touched().first().copied().unwrap_or(0);
                 return Err(Failure { body, cause: StepFailure::ConstraintNotFinite { position } }.into());
+            }
+            if self.held.contains(&which) && start.stays(&end) {
+                continue;
             }
             let about = if start.meets() {
                 0.0

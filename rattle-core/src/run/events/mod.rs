@@ -289,7 +289,11 @@ impl<const D: usize> Search<D> {
         self.meetings.begin_stretch();
         let mut first = None;
         while let Some(contact) = self.meetings.suspect(stretch, end)? {
-            if let Some(instant) = self.meetings.instant(stretch, &contact, end)? {
+            let held = contact.stays() && impact::holds(&mut self.meetings, contact.which, stretch)?;
+            if held {
+                self.meetings.held.push(contact.which);
+                stretch.go(end)?;
+            } else if let Some(instant) = self.meetings.instant(stretch, &contact, end)? {
                 (first, end) = (Some((Event::Impacts(contact.which), instant)), instant);
             } else {
                 stretch.go(end)?;
