@@ -10,6 +10,7 @@ use rattle::lanes::Lane;
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::watch::{Each, Observer, Sight};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 constraint! {
     /// Above a floor in the south of a sphere.
@@ -434,4 +435,23 @@ fn trajectories_name_what_does_not_fit() {
     let mut space = Scene::points(2).simulate(State::of([[0.0; 3]; 2]), Rattle::new(0.1)).unwrap();
     let error = space.observe(1, 1, &mut path).unwrap_err().to_string();
     assert!(error.contains("2 coordinates") && error.contains("3"), "{error}");
+}
+
+/// A trajectory holds rows of one, also where an observer is shown many: in lanes they would be mixed, and one after
+/// the other where there are no lanes.
+#[test]
+fn a_trajectory_is_one_trajectory() {
+    fn check(method: impl Method) {
+        let starts =
+            |n: u32| (0..n).map(|i| State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0 + f64::from(i), 0.0]));
+        let sphere = Scene::on(Sphere { r: 1.0 });
+        let mut one = sphere.ensemble(starts(1), method.clone()).unwrap();
+        assert_eq!(one.observe(20, 10, Trajectory::new).shape(), [3, 1, 3]);
+        let mut two = sphere.ensemble(starts(2), method.clone()).unwrap();
+        let seen = catch_unwind(AssertUnwindSafe(|| two.observe(20, 10, Trajectory::new))).unwrap_err();
+        let told = seen.downcast_ref::<String>().unwrap();
+        assert!(told.contains("0 and 1") && told.contains("take `Each::of(Trajectory::new)`"), "{told}");
+    }
+    check(Rattle::new(0.01));
+    check(Shake::new(0.01));
 }

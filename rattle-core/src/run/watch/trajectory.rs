@@ -11,9 +11,9 @@ use nalgebra::SVector;
 /// Times, positions and momenta of a run, row by row from its start; multipliers on request.
 ///
 /// Positions and momenta have the shape [rows, bodies, D], with the last index fastest, as NumPy arrays and pages take
-/// it. For an ensemble use one for each trajectory, by [`Each`](crate::run::watch::Each). Rows have one shape: a run of
-/// another number of bodies or coordinates ends with [`Error::Recorder`], and to join trajectories of several sizes is
-/// a panic.
+/// it. For an ensemble use one for each trajectory, by [`Each`](crate::run::watch::Each): rows are those of one
+/// trajectory, and to be shown another is a panic. They have one shape, too: a run of another number of bodies or
+/// coordinates ends with [`Error::Recorder`], and to join trajectories of several sizes is a panic.
 ///
 /// ```
 /// # use rattle::{Rattle, Scene, State, Trajectory};
@@ -31,6 +31,8 @@ use nalgebra::SVector;
 pub struct Trajectory {
     bodies: usize,
     coordinates: usize,
+    /// The number of the trajectory in the ensemble, once it is known.
+    number: Option<usize>,
     times: Vec<f64>,
     positions: Vec<f64>,
     momenta: Vec<f64>,
@@ -92,6 +94,16 @@ impl Trajectory {
         momenta.for_each(|p| self.momenta.extend(p.iter()));
     }
 
+    /// Takes the number of the trajectory whose rows come next, which is that of the rows before.
+    #[track_caller]
+    fn follow(&mut self, next: Option<usize>) {
+        if let (Some(own), Some(next)) = (self.number, next) {
+            let what = "rows of trajectories";
+            assert!(own == next, "{what} {own} and {next} are no one path: take `Each::of(Trajectory::new)`");
+        }
+        self.number = self.number.or(next);
+    }
+
     /// Rows, bodies, and coordinates of a body: the shape of positions and momenta.
     #[must_use]
     pub fn shape(&self) -> [usize; 3] {
@@ -140,7 +152,10 @@ impl Trajectory {
 }
 
 impl<const D: usize> Observer<D> for Trajectory {
+    /// # Panics
+    /// If it is another trajectory than before.
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
+        self.follow(Some(now.trajectory));
         let row = |sight: &Sight<'_, D>, trajectory: &mut Self| {
             let (positions, momenta) = (sight.positions.iter().copied(), sight.momenta.iter().copied());
             trajectory.row(sight.time, positions, momenta);
@@ -170,12 +185,13 @@ impl<const D: usize> Observer<D> for Trajectory {
     }
 
     /// # Panics
-    /// If both have rows, and those of `next` have another shape.
+    /// If both have rows, and those of `next` are of another trajectory or have another shape.
     fn join(&mut self, next: Self) {
         self.failure = self.failure.take().or(next.failure);
         if next.times.is_empty() {
             return;
         }
+        self.follow(next.number);
         let fits = self.times.is_empty() || self.shape()[1..] == [next.bodies, next.coordinates];
         let both = [[self.bodies, self.coordinates], [next.bodies, next.coordinates]];
         assert!(
