@@ -300,3 +300,55 @@ fn leaving_the_domain_of_the_energy_is_told_as_that() {
         assert!(ends, "{error}");
     }
 }
+
+phase_constraint! {
+    /// The axis, by an equation that grows along it: N is e²ˣ.
+    struct Line {}
+    |q: [f64; 2], p: [f64; 2]| q[1] * exp(q[0]) + 0 * p[0]
+}
+phase_constraint! {
+    /// And two of them, that grow the other way about.
+    struct Lines {}
+    |q: [f64; 3], p: [f64; 3]| [q[1] * exp(q[0]) + 0 * p[0], q[2] * exp(-q[0]) + 0.3 * q[1]]
+}
+hamiltonian! {
+    struct Along {}
+    |q: [f64; 2], p: [f64; 2]| dot(p, p) / 2
+}
+hamiltonian! {
+    struct AlongSpace {}
+    |q: [f64; 3], p: [f64; 3]| dot(p, p) / 2
+}
+
+/// Where N grows, a step is taken as far as its way back is; and more than twice or half as much is told either way.
+#[test]
+fn a_step_is_taken_where_its_way_back_is() {
+    let end = |v: f64, h: f64| {
+        let scene = Scene::in_phase_space(Line {}, Along {});
+        let start = State::at([0.0; 2]).moving([v, 0.0]);
+        let mut lanes = scene.ensemble(vec![start.clone(); 3], Rattle::new(h)).unwrap();
+        lanes.run(3);
+        let run = scene.simulate(start, Rattle::new(h)).unwrap().run(3).map(|_| ());
+        assert_eq!(run.is_ok(), lanes.failure(1).is_none(), "{v}, {h}");
+        run
+    };
+    for h in [0.1, 0.25, 0.34] {
+        for v in [-1.0, 1.0] {
+            end(v, h).unwrap_or_else(|error| panic!("{v}, {h}: {error}"));
+            let scene = Scene::in_phase_space(Line {}, Along {});
+            let run = scene.simulate(State::at([0.0; 2]).moving([v, 0.0]), Rattle::new(h)).unwrap();
+            run.check_reversal(1e-13).unwrap_or_else(|error| panic!("{v}, {h}: {error}"));
+            let scene = Scene::in_phase_space(Lines {}, AlongSpace {});
+            let run = scene.simulate(State::at([0.0; 3]).moving([v, 0.0, 0.0]), Rattle::new(h)).unwrap();
+            run.check_reversal(1e-13).unwrap_or_else(|error| panic!("two, {v}, {h}: {error}"));
+        }
+    }
+    let mut changes = [-1.0, 1.0].map(|v| match end(v, 0.36) {
+        Err(Error::Step { cause: StepFailure::Phase(PhaseFailure::Undetermined { change, .. }), .. }) => {
+            change
+        }
+        other => panic!("{other:?}"),
+    });
+    changes.sort_by(f64::total_cmp);
+    assert!(changes.iter().all(|change| (change - (f64::exp(0.72) - 1.0)).abs() < 1e-12), "{changes:?}");
+}

@@ -30,6 +30,8 @@ mod kinks_starts;
 mod laws;
 #[path = "../near_the_origin.rs"]
 mod near_the_origin;
+#[path = "../phase_rounding.rs"]
+mod phase_rounding;
 #[path = "../phase_starts.rs"]
 mod phase_starts;
 #[path = "../phase_steps.rs"]

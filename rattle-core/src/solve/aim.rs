@@ -45,7 +45,7 @@ pub(crate) const LITTLE: f64 = 1e4;
 
 /// Where nothing is known of how large a surface is, terms of g are taken to be at most so many times as large as
 /// places on it.
-const LARGER: f64 = 4_294_967_296.0;
+pub(crate) const LARGER: f64 = 4_294_967_296.0;
 
 /// What may be taken for the rounding of g, as a distance, where nothing is known of its terms, which may be larger
 /// than places of this size: as near the origin of a large sphere through it. `rounding` tells what it is where places

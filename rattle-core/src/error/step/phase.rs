@@ -33,13 +33,13 @@ pub enum PhaseFailure {
         h: f64,
     },
     /// In phase space, N = {g, {g, H}} changes so much within the step that the motion may reach a point where it is
-    /// not determined.
+    /// not determined, or come from one.
     #[error(
-        "the constraint is about to leave the motion undetermined: {{g, {{g, H}}}} changes by {change:.2} of itself within \
-         the step, allowed 0.5 (h = {h:.3e}); a smaller step comes nearer, and where it is singular the motion ends"
+        "near here the constraint leaves the motion undetermined: {{g, {{g, H}}}} at the two ends of the step differs by \
+         {change:.2} of the smaller one, allowed 1 (h = {h:.3e}); try a smaller step; where it is singular the motion ends"
     )]
     Undetermined {
-        /// The largest entry of N⁻¹N′ − 1.
+        /// The largest entry of N⁻¹N′ − 1 and of N′⁻¹N − 1.
         change: f64,
         /// The step size: in a composition, that of the stage.
         h: f64,

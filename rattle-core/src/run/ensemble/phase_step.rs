@@ -19,8 +19,9 @@ use crate::run::ensemble::phase_numbers::{over, solve, turn, worst};
 use crate::run::ensemble::phase_row::{Each, Laws, Matrix, Points, ROW, Row, ZEROS, matrix};
 use crate::solve::aim::{Aim, ROUNDINGS};
 use crate::solve::root::{FAR_GUESS, SHORT_PATH, straight};
-use crate::systems::phase::landing::STEADY;
-use crate::systems::phase::step::{NOISE, TURN};
+use crate::systems::phase::landing::{STEADY, TILT};
+use crate::systems::phase::noise::NOISE;
+use crate::systems::phase::step::TURN;
 
 /// Corrections after which a lane goes by itself.
 const MOST_LOOKS: usize = 10;
@@ -405,8 +406,8 @@ fn trust<const D: usize, const M: usize>(
 ) {
     let Scratch { sigma, guess, change, reach, gradients, slopes, first, off, corrected, going, .. } =
         scratch;
-    let [far, short, steady, turns, straight, rounding] =
-        [FAR_GUESS, SHORT_PATH, STEADY, TURN, straight::<f64>(), ROUNDINGS * f64::EPSILON].map(Fused);
+    let [far, short, steady, tilt, straight, rounding] =
+        [FAR_GUESS, SHORT_PATH, STEADY, TILT, straight::<f64>(), ROUNDINGS * f64::EPSILON].map(Fused);
     let h = Fused(h);
     for l in 0..ROW {
         let reach = [at(&reach.q, l), at(&reach.p, l)];
@@ -431,7 +432,7 @@ fn trust<const D: usize, const M: usize>(
         let changes = turn(matrix(first, l), &last);
         let before = matrix(&row.slopes, l).map(|row| row.map(|x| h * x));
         let is_short = changes.le(steady) & (changes * path).le(short * slid);
-        let plain = turn(before, &last).le(turns) & (changes.le(straight) | (near & is_short));
+        let plain = turn(before, &last).le(tilt) & (changes.le(straight) | (near & is_short));
         let is_certain = usual & (plain | (corrected[l] == Fused(0.0)));
         going[l] = Real::select(is_certain, going[l], Fused(BY_ITSELF));
     }
@@ -446,8 +447,10 @@ fn turns<const D: usize, const M: usize>(before: &Matrix<M>, end: &Row<D, M>, go
         for d in 0..D {
             finite = Fused(0.0).multiply_add(end.high.q[d][l] + end.high.p[d][l], finite);
         }
-        let turned = turn(matrix(before, l), &matrix(&end.slopes, l));
-        let plain = turned.le(Fused(TURN)) & finite.le(Fused(0.0));
+        let [before, after] = [before, &end.slopes].map(|slopes| matrix(slopes, l));
+        let [there, back] = [turn(before, &after), turn(after, &before)];
+        let turn = Fused(TURN);
+        let plain = there.le(turn) & back.le(turn) & finite.le(Fused(0.0));
         going[l] = Real::select(plain, going[l], Fused(BY_ITSELF));
         all &= Fused(0.0).le(going[l]);
     }

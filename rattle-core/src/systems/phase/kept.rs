@@ -23,8 +23,8 @@
 //! on where z is on its fibre. So SHAKE, which leaves out the last move, is the same map of fibres, and not a separate
 //! method here.
 //!
-//! Where N becomes singular the motion ends; for one equation |N| falls like √(t* − t). A step within which N changes
-//! by half of itself is refused.
+//! Where N becomes singular the motion ends; for one equation |N| falls like √(t* − t). A step within which N becomes
+//! less than half, or more than twice as large is refused: a step is taken where its way back is.
 //!
 //! Without equations a step is Φₕ alone: of an energy T(p) + U(q) leapfrog, of others an implicit equation for p½ and
 //! one for q′, which are solved to rounding. They may have other solutions where a step is long: it is refused where

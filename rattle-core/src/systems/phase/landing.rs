@@ -14,13 +14,17 @@ use crate::solve::aim::{GROWTH, INSIDE, INSIDE_PARTS, LITTLE_OFF, ROUNDINGS, gro
 use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, Part, SHORT_PATH, follow, straight};
 use crate::systems::phase::fibre::Slides;
 use crate::systems::phase::kept::OfBody;
+use crate::systems::phase::noise::NOISE;
 use crate::systems::phase::point::{Level, Point, Verlet};
-use crate::systems::phase::step::{Functions, Look, NOISE, TURN, not_finite, solve_along, too_far, turn};
+use crate::systems::phase::step::{Functions, Look, not_finite, solve_along, too_far, turn};
 use std::array::from_fn;
 
 /// Slopes at a guess and where it leads differ by at most this part: that far from another sheet they differ by more in
 /// six of seven cases.
 pub(crate) const STEADY: f64 = 0.05;
+
+/// Slopes where a slide leads may differ by this part from those at its start.
+pub(crate) const TILT: f64 = 0.5;
 
 /// A step, as it departs.
 pub(super) struct Departure<'a, K, H, const D: usize, const M: usize> {
@@ -89,6 +93,13 @@ where
         Ok(There { change, kicked, step, level })
     }
 
+    /// What is taken for rounding of g after this change by a step, or the part of it, of h.
+    fn noise(&self, h: f64, change: &Point<D>, level: &Level<D, M>) -> [f64; M] {
+        let at = self.start.plus(&self.low.plus(change));
+        let reach = self.functions.reach_of_step(&self.start.reach(change), &at, h);
+        level.noise(self.functions.constraint, &at, &reach)
+    }
+
     /// Where g = 0 after the share s of the step, by Newton's iteration from this guess.
     fn land_after(&self, s: f64, guess: [f64; M]) -> Result<Landing<D, M>, StepFailure> {
         let h = s * self.h;
@@ -114,6 +125,7 @@ where
                 slopes = Some([slopes.map_or(there, |[first, _]: [_; 2]| first), there]);
                 Some(there)
             },
+            |Look { change, rest, .. }| self.noise(h, change, &rest.level),
         )?;
         let Look { change, rest: There { level, .. }, .. } = seen;
         let slid = (0..M).fold(Point::ZERO, |sum, j| sum.plus(&level.fibre(j).times(sigma[j] - guess[j])));
@@ -136,7 +148,7 @@ where
         let near_guess = landing.off.iter().all(|off| off.abs() <= far * path);
         let change = turn(&first, &last);
         let is_short = change <= STEADY && change * path <= SHORT_PATH * landing.slid;
-        turn(&before.map(|row| row.map(|x| x * (s * self.h))), &last) <= TURN
+        turn(&before.map(|row| row.map(|x| x * (s * self.h))), &last) <= TILT
             && (change <= straight::<f64>() || (near_guess && is_short))
     }
 
@@ -195,9 +207,12 @@ where
         noise: &[f64; M],
     ) -> bool {
         let Ok(there) = self.after(s, sigma, &mut Slides::new()) else { return false };
-        let inside = there.level.shares();
-        let rounding = |j: usize| NOISE * f64::EPSILON + noise[j];
-        (0..M).all(|j| !suspect[j] || grows_to(inside[j], off[j], share, powers, rounding(j)))
+        let (inside, extent) = (there.level.shares(), there.level.extent);
+        let grows = |own: [f64; M]| {
+            let rounding = |j: usize| NOISE * f64::EPSILON + noise[j] + own[j] / extent[j];
+            (0..M).all(|j| !suspect[j] || grows_to(inside[j], off[j], share, powers, rounding(j)))
+        };
+        grows([0.0; M]) || grows(self.noise(s * self.h, &there.change, &there.level))
     }
 
     /// The landing that is reached from h = 0 without leaving the root; or the share of the step that is.

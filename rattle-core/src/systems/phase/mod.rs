@@ -5,6 +5,7 @@ mod hold;
 pub(crate) mod in_lanes;
 mod kept;
 pub(crate) mod landing;
+pub(crate) mod noise;
 pub(crate) mod point;
 pub(crate) mod step;
 mod system;

@@ -60,7 +60,7 @@ impl<const D: usize> Point<D> {
         Self { q: [q; D], p: [p; D] }
     }
     /// The same of those on which a function with these slopes depends.
-    fn most_along(&self, slopes: &Self) -> Self {
+    pub(super) fn most_along(&self, slopes: &Self) -> Self {
         let known = |x: &[f64; D], slopes: &[f64; D]| from_fn(|i| if slopes[i] == 0.0 { 0.0 } else { x[i] });
         Self { q: known(&self.q, &slopes.q), p: known(&self.p, &slopes.p) }.most()
     }
@@ -154,7 +154,7 @@ pub(super) struct Hidden<const D: usize, const M: usize> {
     pub(super) level: Level<D, M>,
     pub(super) value: [f64; M],
     /// ∇hᵢ.
-    gradients: [Point<D>; M],
+    pub(super) gradients: [Point<D>; M],
     /// Σ |∂hᵢ/∂zₖ| rₖ with r the largest coordinates and momenta of the reach on which hᵢ depends: times ε the rounding
     /// of hᵢ that comes from that of the point, in whatever units q and p are. Others may be however large.
     pub(super) size: [f64; M],
@@ -244,7 +244,7 @@ fn extents<const D: usize, const M: usize>(gradients: &[Point<D>; M], reach: &Po
 }
 
 /// {a, b} from gradients, and the size of its terms.
-fn bracket<const D: usize>(a: &Point<D>, b: &Point<D>) -> (f64, f64) {
+pub(super) fn bracket<const D: usize>(a: &Point<D>, b: &Point<D>) -> (f64, f64) {
     (dot(&a.q, &b.p) - dot(&a.p, &b.q), products(&a.q, &b.p) + products(&a.p, &b.q))
 }
 

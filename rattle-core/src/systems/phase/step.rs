@@ -6,9 +6,9 @@ use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::start::{MAX_PROJECTION_STEPS, START_TOLERANCE, finite};
 use crate::number::linear::solve;
 use crate::number::vector::{sum, two_sum};
-use crate::solve::nearing::Nearing;
 use crate::systems::phase::fibre::Slides;
 use crate::systems::phase::kept::InPhaseSpace;
+use crate::systems::phase::noise::{NOISE, beyond};
 use crate::systems::phase::point::{Hidden, Level, Point};
 use std::array::from_fn;
 
@@ -18,10 +18,8 @@ const MAX_CORRECTIONS: usize = 20;
 const MAX_HALVINGS: i32 = 60;
 /// A correction by a part of itself must take this share of that part from the largest value.
 const FALL: f64 = 0.25;
-/// A residual below this many roundings may be the rounding of g itself, once it no longer shrinks.
-pub(crate) const NOISE: f64 = 1e3;
-/// N may change by this part of itself within a step.
-pub(crate) const TURN: f64 = 0.5;
+/// N at one end of a step may differ from that at the other by as much as that other: it may double, or halve.
+pub(crate) const TURN: f64 = 1.0;
 
 /// Somewhere along a fibre: how the point changes until there, and the numbers that shall vanish.
 pub(super) struct Look<X, const D: usize, const M: usize> {
@@ -36,12 +34,14 @@ pub(super) struct Look<X, const D: usize, const M: usize> {
     pub(super) rest: X,
 }
 
-/// The σ for which what is looked at vanishes, to its rounding, and what is seen there.
+/// The σ for which what is looked at vanishes, to its rounding, and what is seen there. Where the largest value no
+/// longer falls, and is more than some roundings, `noise` tells what each value may be by rounding.
 pub(super) fn solve_along<X, const D: usize, const M: usize>(
     h: f64,
     mut sigma: [f64; M],
     mut look: impl FnMut(&[f64; M]) -> Result<Look<X, D, M>, StepFailure>,
     mut slopes: impl FnMut(&Look<X, D, M>) -> Option<[[f64; M]; M]>,
+    noise: impl Fn(&Look<X, D, M>) -> [f64; M],
 ) -> Result<([f64; M], Look<X, D, M>), StepFailure> {
     let mut residuals = [0.0; MAX_CORRECTIONS];
     let mut last = f64::INFINITY;
@@ -49,7 +49,11 @@ pub(super) fn solve_along<X, const D: usize, const M: usize>(
         let seen = look(&sigma)?;
         let (equation, roundings) = worst(&seen.value, &seen.size);
         residuals[k] = roundings;
-        let is_noise = || roundings <= NOISE || worst(&seen.value, &seen.extent).1 <= 1.0;
+        let is_noise = || {
+            roundings <= NOISE
+                || worst(&seen.value, &seen.extent).1 <= 1.0
+                || worst(&beyond(&seen.value, &noise(&seen)), &seen.size).1 <= 1.0
+        };
         if roundings <= 1.0 || (roundings >= last && is_noise()) {
             return Ok((sigma, seen));
         }
@@ -108,6 +112,23 @@ pub(super) fn worst<const M: usize>(x: &[f64; M], sizes: &[f64; M]) -> (usize, f
         }
     }
     worst
+}
+
+/// The value that is off zero by more than a start may be, and by more than rounding; and by how many roundings.
+fn off_zero<const M: usize>(
+    value: &[f64; M],
+    size: &[f64; M],
+    extent: &[f64; M],
+    noise: impl FnOnce() -> [f64; M],
+) -> Option<(usize, f64)> {
+    let holds = |value: &[f64; M]| {
+        worst(value, size).1 * f64::EPSILON <= START_TOLERANCE || worst(value, extent).1 <= NOISE
+    };
+    if holds(value) {
+        return None;
+    }
+    let rest = beyond(value, &noise());
+    (!holds(&rest)).then(|| worst(&rest, size))
 }
 
 /// Two equations whose bracket is not zero, and what part of its terms it is.
@@ -195,8 +216,13 @@ where
         let mut slides = Slides::new();
         let look =
             |sigma: &[f64; M]| self.look_along(&start, &low, sigma, &mut slides).ok_or_else(|| too_far(h));
+        let noise = |Look { change, rest, .. }: &Look<Hidden<D, M>, D, M>| {
+            let at = start.plus(&low.plus(change));
+            let reach = self.reach_of_step(&start.reach(change), &at, h);
+            rest.noise(self.constraint, self.energy, &at, &reach)
+        };
         let (sigma, Look { change, rest: Hidden { level, slopes, .. }, .. }) =
-            solve_along(h, [0.0; M], look, |seen| Some(seen.rest.slopes))?;
+            solve_along(h, [0.0; M], look, |seen| Some(seen.rest.slopes), noise)?;
         if const { M > 1 } {
             let at = start.plus(&low.plus(&change));
             // A body that comes to rest has momenta of the rounding of what the step gave and took.
@@ -231,13 +257,12 @@ where
         let hidden = self.hidden(&at);
         let level = &hidden.level;
         let mistake = |mistake| Err(StartFailure::Phase(mistake));
-        let tolerance = START_TOLERANCE / f64::EPSILON;
         // A body at rest has momenta of the rounding of what a step gives and takes.
         let reach = self.reach_of_step(&at, &at, h);
-        let (equation, off) = worst(&level.value, &level.size);
         // Where all terms are nothing, as those of q·p at q = 0, g is what rounding leaves of larger coordinates.
-        let rounded = worst(&level.value, &level.extent_of(&reach)).1 <= NOISE;
-        if off.is_nan() || (off > tolerance && !rounded) {
+        let extent = level.extent_of(&reach);
+        let noise = || level.noise(self.constraint, &at, &reach);
+        if let Some((equation, off)) = off_zero(&level.value, &level.size, &extent, noise) {
             let (value, share) = (level.value[equation], off * f64::EPSILON);
             return mistake(PhaseMistake::Off { equation, value, share, tolerance: START_TOLERANCE });
         }
@@ -246,9 +271,9 @@ where
             let slopes = hidden.slopes.concat();
             return mistake(level.dependent(&at).unwrap_or(PhaseMistake::Undetermined { slopes }));
         }
-        let (equation, off) = worst(&hidden.value, &hidden.size);
-        let rounded = worst(&hidden.value, &hidden.extent_of(&reach)).1 <= NOISE;
-        if off.is_nan() || (off > tolerance && !rounded) {
+        let extent = hidden.extent_of(&reach);
+        let noise = || hidden.noise(self.constraint, self.energy, &at, &reach);
+        if let Some((equation, off)) = off_zero(&hidden.value, &hidden.size, &extent, noise) {
             let (rate, share) = (hidden.value[equation], off * f64::EPSILON);
             return mistake(PhaseMistake::Hidden { equation, rate, share, tolerance: START_TOLERANCE });
         }
@@ -270,13 +295,17 @@ where
         finite("momentum", &body.p)?;
         let start = Point::high(body);
         self.check_energy(&start)?;
-        let (mut at, mut distances, mut nearing) = (start, Vec::new(), Nearing::leaving(f64::INFINITY));
+        let (mut at, mut distances, mut last) = (start, Vec::new(), f64::INFINITY);
         let mut failure = None;
         for _ in 0..MAX_PROJECTION_STEPS {
             let level = Level::of(self.constraint, &at, &at);
             let Level { value, gradients, size, .. } = level;
             let (_, roundings) = worst(&value, &size);
-            if nearing.look(roundings, roundings <= 1.0, roundings <= NOISE).0 {
+            let is_noise = || {
+                let noise = || level.noise(self.constraint, &at, &at);
+                roundings <= NOISE || worst(&beyond(&value, &noise()), &size).1 <= 1.0
+            };
+            if roundings <= 1.0 || (last <= 2.0 * roundings && is_noise()) {
                 // Else fibres lead off g = 0.
                 match self.slide_start(&level, &at) {
                     Ok(there) => return Ok(there),
@@ -284,6 +313,7 @@ where
                 }
                 break;
             }
+            last = roundings;
             let products = from_fn(|i| from_fn(|j| gradients[i].along(&gradients[j])));
             let Some(weights) = solve(products, value) else { break };
             let step = (0..M).fold(Point::ZERO, |sum, i| sum.plus(&gradients[i].times(-weights[i])));
@@ -353,7 +383,7 @@ where
     }
 
     /// This reach, or what a step of h from a point gives and takes, whichever is larger.
-    fn reach_of_step(&self, reach: &Point<D>, at: &Point<D>, h: f64) -> Point<D> {
+    pub(super) fn reach_of_step(&self, reach: &Point<D>, at: &Point<D>, h: f64) -> Point<D> {
         reach.reach(&self.free(at).times(h))
     }
 
@@ -388,6 +418,11 @@ pub(super) fn move_by<N: Count, X, const D: usize>(
     (*q, *q_low) = two_sum(q, &sum(q_low, &change.q));
     let (p, p_low) = (&mut bodies.p.as_mut()[number], &mut bodies.p_low.as_mut()[number]);
     (*p, *p_low) = two_sum(p, &sum(p_low, &change.p));
+}
+
+/// The largest entry of N⁻¹N′ − 1 and of N′⁻¹N − 1: the same for a step and its way back.
+pub(super) fn turn_both_ways<const M: usize>(one: &[[f64; M]; M], other: &[[f64; M]; M]) -> f64 {
+    turn(one, other).max(turn(other, one))
 }
 
 /// The largest entry of N⁻¹N′ − 1; with equations in their own units or in those of their diagonal entries, whichever

@@ -19,7 +19,7 @@ use crate::solve::aim::{Aim, Pace};
 use crate::systems::phase::kept::{BodiesOf, IN_PHASE_SPACE, InPhaseSpace, Kept, OfBody};
 use crate::systems::phase::landing::Departure;
 use crate::systems::phase::point::Point;
-use crate::systems::phase::step::{TURN, move_by, turn};
+use crate::systems::phase::step::{TURN, move_by, turn_both_ways};
 
 impl<K, H, N, const D: usize, const M: usize> Parts<f64, D> for InPhaseSpace<K, H, N, M>
 where
@@ -213,7 +213,7 @@ where
             let fail = |cause| Failure { body: number, cause };
             let (sigma, change, slopes) =
                 self.functions().slide_to_hidden(h, &bodies.body(number)).map_err(fail)?;
-            let turned = turn(&bodies.kept.bodies.as_ref()[number].slopes, &slopes);
+            let turned = turn_both_ways(&bodies.kept.bodies.as_ref()[number].slopes, &slopes);
             if turned > TURN {
                 return Err(fail(PhaseFailure::Undetermined { change: turned, h }.into()));
             }
