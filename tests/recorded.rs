@@ -4,6 +4,7 @@ use crate::recorders::{python, read_by};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use rattle::checkpoint::{CheckpointError, Ended, Saving};
 use rattle::links::planar::{Crank, Rod, Slider};
+use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
 use rattle::record::{Csv, NpzParts, Parquet, Stream, Vtu, Writer, Xyz};
 use rattle::surfaces::Sphere;
@@ -541,4 +542,24 @@ fn xyz_has_a_cell() {
         let error = Xyz::to(Vec::new(), "Ar").cell([1.0, length, 1.0], [true; 3]).unwrap_err();
         assert!(error.to_string().contains("positive and finite"), "{error}");
     }
+}
+
+/// A row tells of the iterations up to its own time, that of the start too; by itself and in an ensemble of those that
+/// go one by one.
+#[test]
+fn iterations_are_those_of_the_time_of_a_row() {
+    let columns = Columns::<2>::new().iterations().with_start();
+    let scene = || {
+        let scene = Scene::points(2).pin(0, [0.0, 0.0]).link(Rod { length: 1.0 }, [[0, 1]]);
+        scene.with(Gravity { g: 1.0 })
+    };
+    let start = State::of([[0.0, 0.0], [1.0, 0.0]]);
+    let mut recorder = Recorder::of(&columns, Rows::default());
+    scene().simulate(start.clone(), Shake::new(0.01)).unwrap().observe(50, 10, &mut recorder).unwrap();
+    let rows = recorder.finish().unwrap();
+    let found: Vec<f64> = rows.numbers("iterations").flatten().copied().collect();
+    assert!(found[0] == 0.0 && found.is_sorted_by(|a, b| a + 10.0 <= *b), "{found:?}");
+    let mut ensemble = scene().ensemble([start], Shake::new(0.01)).unwrap();
+    let rows = ensemble.observe(50, 10, || Recorder::of(&columns, Rows::default())).finish().unwrap();
+    assert!(rows.numbers("iterations").flatten().eq(&found));
 }

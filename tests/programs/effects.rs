@@ -36,6 +36,8 @@ mod heat_places;
 mod impacts;
 #[path = "../impacts_found.rs"]
 mod impacts_found;
+#[path = "../impacts_held.rs"]
+mod impacts_held;
 #[path = "../named.rs"]
 mod named;
 #[path = "../common/names.rs"]

@@ -26,12 +26,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     ///
     /// Impulses respect constraints and masses. Elastic impulses conserve the kinetic energy to rounding; the energy
     /// lost in others counts as negative [`work`](Self::work), and what moving constraints do in an impact as work.
-    /// [`StepFailure::NoWayApart`] where constraints let nobody part. Bodies
-    /// that constraints hold in touch, as rods do balls as thick as rods are long, do not meet.
-    /// [`events`](Self::events) counts impacts. Where a contact would stay closed, like that of a ball at rest on a
-    /// floor, the step fails with [`StepFailure::Rests`]; a step with more
-    /// elastic impacts than 1000 for each body fails with
-    /// [`StepFailure::TooManyImpacts`].
+    /// [`StepFailure::NoWayApart`] where constraints let nobody part. Bodies that constraints hold in touch, as rods do
+    /// balls as thick as rods are long, do not meet. [`events`](Self::events) counts impacts. Where a contact would
+    /// stay closed, like that of a ball at rest on a floor, the step fails with [`StepFailure::Rests`]; a step with
+    /// more elastic impacts than 1000 for each body fails with [`StepFailure::TooManyImpacts`].
     ///
     /// Random forces act before the whole step and after it, whatever happens between: a contact does not choose among
     /// them. Inside of them other flows act before and after each stretch between contacts.
