@@ -223,3 +223,67 @@ fn what_is_held_has_no_slope() {
     simulation.run(10).unwrap();
     assert!((simulation.position() - vector![-0.4, 0.2, 0.0]).norm() < 1e-15);
 }
+
+potential! {
+    /// Three bodies that want to be in a line.
+    struct Bend { k }
+    |a: [f64; 3], b: [f64; 3], c: [f64; 3]| {
+        let u = a - b;
+        let v = c - b;
+        k * (acos(max(-1, min(1, dot(u, v) / (norm(u) * norm(v))))) - pi)^2
+    }
+}
+potential! { struct FlatThere { k } |x, y| k / 2 * acos(max(-1, min(1, x)))^2 + acosh(max(y, 1))^2 }
+potential! { struct Threefold {} |x| cos(3 * acos(min(1, x))) }
+potential! { struct Cubed {} |x| acos(min(1, x))^3 + 0 * acos(min(1, x)) }
+potential! { struct BeyondTwice { k } |x, y| k * y * ln(min(x, -1))^2 }
+
+/// Where the function that holds a value is flat there: 0 · ∞ on the way.
+#[test]
+fn what_is_held_where_it_is_flat_has_no_slope() {
+    let straight = vector![1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0];
+    assert_eq!(Bend { k: 3.0 }.value(&straight), 0.0);
+    assert_eq!(Bend { k: 3.0 }.gradient(&straight), straight * 0.0);
+    for x in [1.0 + f64::EPSILON, 1.5, 2.0] {
+        assert_eq!(FlatThere { k: 3.0 }.gradient(&vector![x, 0.5]), vector![0.0, 0.0], "{x}");
+        assert_eq!(Threefold {}.gradient(&vector![x])[0], 0.0, "{x}");
+        assert_eq!(Cubed {}.gradient(&vector![x])[0], 0.0, "{x}");
+    }
+    let slopes = FlatThere { k: 3.0 }.gradient(&vector![0.6, 1.25]);
+    assert!((slopes - vector![-3.75 * 0.6_f64.acos(), 2.0 * 1.25_f64.acosh() / 0.75]).amax() < 1e-14);
+    // And what is no number has none.
+    assert!(BeyondTwice { k: 2.0 }.gradient(&vector![0.5, 1.0]).iter().all(|slope| slope.is_nan()));
+}
+
+constraint! {
+    /// Slopes of roots and powers of what is held, behind products and sums of it.
+    struct Behind { w, k }
+    |x, y, z| {
+        y - (2 * max(x, 0))^1.4 - (max(x, 0) / w)^1.25 - (max(0, x) * w)^k - (max(x, 0) + max(z, 0))^1.4
+            - (z^2 * max(x, 0)^2 / 3)^0.7
+    }
+}
+constraint! { struct Rooted {} |x, y| y - asin(sqrt(min(x, 1))) }
+potential! { struct Chosen { k } |x, y| if y < 0 { 0 } else { acos(k * min(1, x)) + acos(min(1, x)^2) } }
+
+/// The slope of a branch is 0 in one of its arms, also where it is multiplied and added to others before a slope that
+/// is infinite.
+#[test]
+fn what_is_held_stays_so_behind_products_and_sums() {
+    let g = Behind { w: 2.0, k: 1.5 };
+    let (held, along) = (vector![-1.0, 0.5, -2.0], vector![1.0, 1.0, 1.0]);
+    assert_eq!(g.hessian_vector(&held, &along), vector![0.0, 0.0, 0.0].transpose());
+    assert_eq!(g.jet(&held, &along), (vector![0.5], vector![1.0], vector![0.0]));
+    let at = vector![4.0, 0.5, -2.0];
+    let found = g.hessian_vector(&at, &vector![1.0, 0.0, 0.0])[0];
+    let (x, scale) = (4.0_f64, (4.0_f64 / 3.0).powf(0.7));
+    let power = |c: f64, n: f64| c.powf(n) * n * (n - 1.0) * x.powf(n - 2.0);
+    let expected =
+        power(2.0, 1.4) + power(0.5, 1.25) + power(2.0, 1.5) + power(1.0, 1.4) + scale * power(1.0, 1.4);
+    assert!((found + expected).abs() < 1e-14, "{found} {expected}");
+
+    let held = vector![2.0, 1.0];
+    let (_, speed, bend) = Rooted {}.jet(&held, &vector![1.0, 1.0]);
+    assert_eq!((speed, bend), (vector![1.0], vector![0.0]));
+    assert_eq!(Chosen { k: 1.0 }.gradient(&held), vector![0.0, 0.0]);
+}

@@ -123,7 +123,7 @@ impl Graph {
     }
 
     /// The factors of a node and the sign before them.
-    fn factors(&self, node: Id) -> (f64, Vec<(Id, u32)>) {
+    pub(crate) fn factors(&self, node: Id) -> (f64, Vec<(Id, u32)>) {
         match *self.node(node) {
             Node::Product(ref factors) => (1.0, factors.to_vec()),
             Node::Power(base, halves) if halves > 0 && halves % 2 == 0 => {

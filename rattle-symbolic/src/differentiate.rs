@@ -9,8 +9,7 @@
 //! A branch is differentiated by selecting between the derivatives of its arms. It is never
 //! multiplied with 0 or 1, so an arm that is not taken cannot leak its NaN: in the reverse sweep
 //! the adjoint stops at a branch, and the arms are swept forwards, to one derivative per variable.
-//! What is multiplied with the derivative of a branch is multiplied with its arms: an arm of no slope, as that of
-//! `max(x, 1)` below 1, has none in `acosh(max(x, 1))` either, although acosh′(1) is infinite.
+//! What may be infinite is multiplied with the arms of such a derivative, not with all of it (see `held`).
 
 use crate::algebra::Scaled;
 use crate::functions::{Binary, Function};
@@ -91,7 +90,8 @@ impl<'a> Calculus<'a> {
                     for k in self.variables_of(id) {
                         let Some(entry) = gradient.get_mut(k as usize) else { continue };
                         let slope = self.slope(id, k);
-                        entry.push(self.graph.product_with_branch(adjoint, slope));
+                        let value = sum_of(self.graph, roots);
+                        entry.push(self.graph.product_with_branch(value, adjoint, slope));
                     }
                 }
                 _ => {
@@ -136,7 +136,11 @@ impl<'a> Calculus<'a> {
                     let (none, other) = (self.graph.as_constant(then).is_some_and(f64::is_nan), of(&other));
                     // What is no number has no slope.
                     let then = if none && !other.is_zero() { then.into() } else { of(&then) };
-                    self.branch(comparison, a, b, then, other)
+                    let slope = self.branch(comparison, a, b, then, other);
+                    if let (true, Some(slope)) = (self.graph.is_tip(id), slope.node) {
+                        self.graph.tip(slope);
+                    }
+                    slope
                 }
                 _ => {
                     let moved: Vec<Scaled> = self
@@ -144,7 +148,7 @@ impl<'a> Calculus<'a> {
                         .into_iter()
                         .map(|(child, partial)| {
                             let child = of(&child);
-                            self.graph.product_with_branch(partial, child)
+                            self.graph.product_with_branch(id, partial, child)
                         })
                         .collect();
                     self.graph.sum(&moved)
@@ -280,6 +284,16 @@ impl<'a> Calculus<'a> {
             _ => partial,
         }
     }
+}
+
+/// The root, or the sum of several: no number where one of them is none.
+fn sum_of(graph: &mut Graph, roots: &[(Scaled, Id)]) -> Id {
+    if let [(_, root)] = *roots {
+        return root;
+    }
+    let roots: Vec<Scaled> = roots.iter().map(|&(_, root)| root.into()).collect();
+    let sum = graph.sum(&roots);
+    graph.node_of(sum)
 }
 
 /// The slopes of a product by its factors. Two of them whose slopes would cancel have one together.

@@ -25,6 +25,9 @@ pub struct Graph {
     depth: Vec<u32>,
     number: Vec<Option<f64>>,
     never_negative: Vec<bool>,
+    may_be_infinite: Vec<bool>,
+    holds_zero: Vec<bool>,
+    tips: BTreeSet<Id>,
     steps: Cell<usize>,
     /// How many nodes there were before the first derivative.
     written: Option<usize>,
@@ -56,6 +59,31 @@ impl Graph {
     /// Whether the form of the node makes it 0 or more, or no number, whatever its inputs are.
     pub(crate) fn never_negative(&self, id: Id) -> bool {
         self.never_negative[id.index()]
+    }
+    /// Whether there is a division by what moves in the node, or what may be one.
+    pub(crate) fn may_be_infinite(&self, id: Id) -> bool {
+        self.may_be_infinite[id.index()]
+    }
+    /// Notes that nothing in the node is divided by 0.
+    pub(crate) fn finite(&mut self, id: Id) {
+        self.may_be_infinite[id.index()] = false;
+    }
+    /// Whether the node is a branch with an arm 0, or has such a branch as a factor or a summand.
+    pub(crate) fn holds_zero(&self, id: Id) -> bool {
+        self.holds_zero[id.index()]
+    }
+    /// The same, but for the slopes at the tips of roots: nothing is infinite with these.
+    pub(crate) fn is_held(&self, id: Id) -> bool {
+        self.holds_zero(id) && !self.is_tip(id)
+    }
+    /// Whether the node is a slope that is set to 0 at the tip of a root, or the slope of one.
+    pub(crate) fn is_tip(&self, id: Id) -> bool {
+        self.tips.contains(&id)
+    }
+    /// Notes that it is.
+    pub(crate) fn tip(&mut self, id: Id) -> Id {
+        self.tips.insert(id);
+        id
     }
     /// The longest chain of operations below the node.
     pub fn depth(&self, id: Id) -> u32 {
@@ -146,6 +174,18 @@ impl Graph {
         self.number.push(if known { self.compute(&node) } else { None });
         let of = |id| self.never_negative(id);
         self.never_negative.push(never_negative(&node, of, |id| self.number(id)));
+        let infinite = children.iter().any(|&child| self.may_be_infinite(child)) || self.divides(&node);
+        self.may_be_infinite.push(infinite);
+        self.holds_zero.push(match node {
+            Node::Select(_, _, _, then, other) => {
+                [then, other].iter().any(|&arm| self.as_constant(arm) == Some(0.0) || self.holds_zero(arm))
+            }
+            Node::Neg(_) | Node::Mul(..) | Node::Sum(_) | Node::Product(_) => {
+                children.iter().any(|&child| self.is_held(child))
+            }
+            Node::Power(a, halves) => halves > 0 && halves % 2 == 0 && self.is_held(a),
+            _ => false,
+        });
         self.depth.push(children.iter().map(|&child| self.depth(child) + 1).max().unwrap_or(0));
         self.nodes.push(node.clone());
         self.index.insert(node, id);
@@ -246,6 +286,18 @@ impl Graph {
     /// The larger of a and b; a on a tie or where either is NaN.
     pub fn max(&mut self, a: Id, b: Id) -> Id {
         self.select(Comparison::Less, a, b, b, a)
+    }
+
+    /// Whether the operation is a division by what moves, or may be one.
+    fn divides(&self, node: &Node) -> bool {
+        match *node {
+            Node::Div(_, by) => self.moving(by),
+            Node::Power(by, halves) => halves < 0 && self.moving(by),
+            Node::Call2(Binary::Powf, a, exponent) => {
+                (self.moving(a) || self.moving(exponent)) && self.number(exponent).is_none_or(|y| y < 0.0)
+            }
+            _ => false,
+        }
     }
 
     fn compute(&self, node: &Node) -> Option<f64> {

@@ -22,7 +22,7 @@
 //! routine
 //! parity
 //! lower  differentiate
-//! call  rules  schedule  formula  kinks
+//! call  rules  held  schedule  formula  kinks
 //! arithmetic  algebra  factors
 //! names  parse  graph  interface
 //! value  parse_expression  macros  operation  headings
@@ -31,7 +31,7 @@
 //! ```
 //!
 //! Mistakes are found by `parse` and `lower`. A new function of the language is a row in `functions`. Neither tokens
-//! nor Rust are known to the mathematics: `operation`, `graph`, `algebra`, `rules`, `differentiate`, `parity`,
+//! nor Rust are known to the mathematics: `operation`, `graph`, `algebra`, `rules`, `held`, `differentiate`, `parity`,
 //! `schedule`, `routine`.
 
 pub use expand::expand;
@@ -64,6 +64,7 @@ pub mod differentiate;
 mod factors;
 pub mod functions;
 pub mod graph;
+mod held;
 mod kinks;
 pub mod node;
 pub mod operation;

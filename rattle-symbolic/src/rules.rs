@@ -12,9 +12,8 @@
 
 use crate::algebra::Scaled;
 use crate::functions::{Binary, Function, functions_of_one, functions_of_two};
-use crate::graph::{Graph, found_from};
+use crate::graph::Graph;
 use crate::node::{Comparison, Id, Node};
-use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_2_SQRT_PI, LOG2_E, LOG10_E};
 
 const THIRD: f64 = 1.0 / 3.0;
@@ -44,57 +43,13 @@ functions_of_two!(derivatives_of_two);
 
 /// The pieces that derivatives are made of.
 impl Graph {
-    /// The product of a factor and the derivative of a branch, of which some arms may be 0. Those stay 0 where the
-    /// factor is infinite, and are no number where it is none. Where the factor is always finite, it is the product.
-    pub(crate) fn product_with_branch(&mut self, factor: Scaled, slope: Scaled) -> Scaled {
-        let (Some(by), Some(of)) = (factor.node, slope.node) else { return self.product(&[factor, slope]) };
-        let graph = &*self;
-        let arms = found_from([of], |id| match *graph.node(id) {
-            Node::Select(_, _, _, then, other) => vec![then, other],
-            _ => vec![],
-        });
-        let is_zero = |graph: &Graph, arm: Id| graph.as_constant(arm) == Some(0.0);
-        if arms == [of] || !arms.iter().any(|&arm| is_zero(graph, arm)) || !self.may_be_infinite(by) {
-            return self.product(&[factor, slope]);
-        }
-        // Each once, since a chain of conditions names what follows more than once.
-        let mut products: BTreeMap<Id, Id> = BTreeMap::new();
-        for arm in arms {
-            let product = match *self.node(arm) {
-                Node::Select(comparison, a, b, then, other) => {
-                    self.select(comparison, a, b, products[&then], products[&other])
-                }
-                _ if is_zero(self, arm) => self.zero_or_none(by),
-                _ => {
-                    let product = self.product(&[factor, Scaled::from(arm).times(slope.factor)]);
-                    self.node_of(product)
-                }
-            };
-            products.insert(arm, product);
-        }
-        products[&of].into()
-    }
-    /// Whether there is a division by what moves, or what may be one.
-    fn may_be_infinite(&self, x: Id) -> bool {
-        self.reachable(&[x]).into_iter().filter(|&id| self.moving(id)).any(|id| match *self.node(id) {
-            Node::Div(_, by) => self.moving(by),
-            Node::Power(_, halves) => halves < 0,
-            Node::Call2(Binary::Powf, _, exponent) => self.number(exponent).is_none_or(|y| y < 0.0),
-            _ => false,
-        })
-    }
-    /// 0, also where x is infinite, and no number where x is none.
-    fn zero_or_none(&mut self, x: Id) -> Id {
-        let (size, infinite, zero) =
-            (self.call(Function::Abs, x), self.constant(f64::INFINITY), self.constant(0.0));
-        let rest = self.sub(x, x);
-        self.select(Comparison::LessOrEqual, infinite, size, zero, rest)
-    }
     /// 1/x, and 0 where x ≤ 0: for roots, whose slope at the tip is set to 0.
     fn guarded_reciprocal(&mut self, x: Id) -> Scaled {
         let zero = self.constant(0.0);
         let reciprocal = self.power(x, -2);
-        self.select(Comparison::LessOrEqual, x, zero, zero, reciprocal).into()
+        let guarded = self.select(Comparison::LessOrEqual, x, zero, zero, reciprocal);
+        self.finite(guarded);
+        self.tip(guarded).into()
     }
     fn reciprocal_of(&mut self, x: Scaled) -> Scaled {
         let x = self.node_of(x);
@@ -193,7 +148,7 @@ impl Graph {
         let not_below = self.select(Comparison::LessOrEqual, zero, a, at_zero, slope);
         let by_base = self.select(Comparison::LessOrEqual, a, zero, not_below, slope);
         let by_exponent = if self.moving(b) { self.growth(a, f) } else { Scaled::ZERO };
-        [by_base.into(), by_exponent]
+        [self.tip(by_base).into(), by_exponent]
     }
     /// ∂f/∂u of f = c/bᵉ, where b is u or powers and roots of it: −n f/u, f ∝ u⁻ⁿ. Powers of u that are too large or
     /// too small for numbers are not met on the way.
