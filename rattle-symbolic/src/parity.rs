@@ -97,13 +97,14 @@ fn half(node: &Node, of: impl Fn(Id) -> Option<Half>, g: &mut Graph, s: Id) -> O
         }
         Node::Power(a, n) => {
             let a = of(a)?;
-            let rest = g.power(a.rest, n);
             match (a.odd, n % 2 == 0) {
-                (false, _) => even(rest),
+                (false, _) => even(g.power(a.rest, n)),
                 (true, true) => {
-                    let whole = n / 2;
-                    let of_s = g.power(s, 2 * whole.div_euclid(2)); // r^n = s^⌊n/2⌋ · r^(n mod 2)
-                    Some(Half { odd: whole.rem_euclid(2) == 1, rest: g.mul(rest, of_s) })
+                    // (r E)ᵐ = (s E²)^⌊m/2⌋ · (r E)^(m mod 2): sᵐᐟ² and Eᵐ alone may be no numbers where this is one.
+                    let (m, square) = (n / 2, square(a.rest, g, s));
+                    let rest = g.power(square, 2 * m.div_euclid(2));
+                    let odd = m.rem_euclid(2) == 1;
+                    Some(Half { odd, rest: if odd { g.mul(rest, a.rest) } else { rest } })
                 }
                 (true, false) => None,
             }
@@ -123,6 +124,23 @@ fn half(node: &Node, of: impl Fn(Id) -> Option<Half>, g: &mut Graph, s: Id) -> O
             (then.odd == other.odd).then_some(Half { odd: then.odd, rest })
         }
         Node::Sum(_) | Node::Product(_) => None, // not in value graphs
+    }
+}
+
+/// s E², with a single division: σ²/s where E is σ/s.
+fn square(e: Id, g: &mut Graph, s: Id) -> Id {
+    match *g.node(e) {
+        Node::Constant(one) if f64::from_bits(one) == 1.0 => s,
+        Node::Neg(a) => square(a, g, s),
+        Node::Power(a, halves) if a == s => g.power(s, 2 * halves + 2),
+        Node::Div(above, below) if below == s => {
+            let above = g.mul(above, above);
+            g.div(above, s)
+        }
+        _ => {
+            let squared = g.mul(e, e);
+            g.mul(squared, s)
+        }
     }
 }
 

@@ -159,3 +159,27 @@ fn random_functions() {
         "{checked}: {rootless} without a root, {rooted} with"
     );
 }
+
+/// In units of metres neither (σ/r²)³⁶ nor r³⁶ is a number.
+#[test]
+fn powers_of_a_quotient_stay_in_range() {
+    let (sigma, apart) = (3.4e-10_f64, 4e-10_f64);
+    for whole in [6, 9, 12, 36, 40, -36] {
+        let mut g = Graph::new();
+        let (r, k) = (g.input(Input::Variable(0)), g.input(Input::Parameter(0)));
+        let ratio = g.div(k, r);
+        let root = g.power(ratio, 2 * whole);
+        let routines = pair(g, root).expect("small");
+        let [value, slope] = ["value", "slope"].map(|name| {
+            let root = routines.named(name).expect("written").roots[0];
+            routines.graph.evaluate(&[root], |input| match input {
+                Input::Variable(_) => apart * apart,
+                _ => sigma,
+            })[0]
+        });
+        let expected = (sigma / apart).powi(whole);
+        assert!((value / expected - 1.0).abs() < 1e-14, "{whole}: {value:e} {expected:e}");
+        let expected = -0.5 * f64::from(whole) * expected / (apart * apart); // by r²
+        assert!((slope / expected - 1.0).abs() < 1e-14, "{whole}: {slope:e} {expected:e}");
+    }
+}
