@@ -287,3 +287,43 @@ fn what_is_held_stays_so_behind_products_and_sums() {
     assert_eq!((speed, bend), (vector![1.0], vector![0.0]));
     assert_eq!(Chosen { k: 1.0 }.gradient(&held), vector![0.0, 0.0]);
 }
+
+constraint! { struct Hyperbolas { c } |x, y, z| z - sqrt(x^2 + 1) - hypot(c, y) }
+constraint! { struct Sines { c } |x, y| y - x / sqrt(x^2 + c) - x / hypot(x, 1) }
+constraint! { struct Distances {} |x, y, z, w| hypot(x, y) + norm(z, w) - 1 }
+constraint! { struct Inner { c } |x, y| y - sqrt(x^2 - c) }
+
+/// Slopes of x / √(x² + c) far out, and of x / √(x² + y²) where y is small: nothing cancels.
+#[test]
+fn slopes_of_roots_of_squares_keep_their_digits() {
+    let close = |found: f64, expected: f64| (found - expected).abs() <= 8.0 * f64::EPSILON * expected.abs();
+    for x in [0.75_f64, 1e2, 1e5, 1e10, -1e10] {
+        let cube = x.hypot(1.0).powi(-3);
+        let at = vector![x, x, 0.0];
+        let bent = Hyperbolas { c: 1.0 }.hessian_vector(&at, &vector![1.0, -1.0, 0.0]);
+        assert!(close(bent[0], -cube) && close(bent[1], cube), "{x:e}: {bent}");
+        let (_, _, along) = Hyperbolas { c: 1.0 }.jet(&at, &vector![1.0, 0.0, 0.0]);
+        assert!(close(along[0], -cube), "{x:e}: {along}");
+        let slope = Sines { c: 1.0 }.jacobian(&vector![x, 0.0])[0];
+        assert!(close(slope, -2.0 * cube), "{x:e}: {slope:e}");
+        let curved = Sines { c: 1.0 }.hessian_vector(&vector![x, 0.0], &vector![1.0, 0.0])[0];
+        assert!(close(curved, 6.0 * x * x.hypot(1.0).powi(-5)), "{x:e}: {curved:e}");
+    }
+    for y in [1e-8, -1e-4, 0.75_f64] {
+        let cube = y.hypot(1.0).powi(-3);
+        let at = vector![1.0, y, y, 1.0];
+        for (way, by_x, by_y) in [(0, y * y * cube, -y * cube), (1, -y * cube, cube)] {
+            let direction: [f64; 4] = std::array::from_fn(|i| f64::from(u8::from(i == way || i == 3 - way)));
+            let bent = Distances {}.hessian_vector(&at, &direction.into());
+            let expected = [by_x, by_y, by_y, by_x];
+            assert!((0..4).all(|i| close(bent[i], expected[i])), "{y:e}: {bent}, {expected:?}");
+        }
+    }
+    // ∂²√(x² − 9) = −9 / √(x² − 9)³
+    let bent = Inner { c: 9.0 }.hessian_vector(&vector![5.0, 0.0], &vector![1.0, 0.0])[0];
+    assert!(close(bent, 9.0 / 64.0), "{bent}");
+    assert_eq!(
+        Distances {}.hessian_vector(&vector![0.0, 0.0, 0.0, 0.0], &vector![1.0, 1.0, 1.0, 1.0]).amax(),
+        0.0
+    );
+}

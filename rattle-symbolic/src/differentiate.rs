@@ -225,8 +225,18 @@ impl<'a> Calculus<'a> {
             Node::Sub(a, b) => vec![(Rule::MinuendOf, a, one), (Rule::SubtrahendOf, b, one.times(-1.0))],
             Node::Mul(a, b) => vec![(Rule::Product, a, b.into()), (Rule::Product, b, a.into())],
             Node::Div(a, b) => {
-                let (above, (b, below)) = (g.reciprocal(b), g.slope_of_reciprocal(b, f, 1.0));
-                vec![(Rule::Numerator, a, above), (Rule::Denominator, b, below)]
+                let above = g.reciprocal(b);
+                let sine = above.node.and_then(|reciprocal| slopes_of_sine(g, a, reciprocal, b));
+                match sine {
+                    Some(slopes) => {
+                        let rules = [Rule::Numerator, Rule::Denominator].into_iter().zip(slopes);
+                        rules.map(|(rule, (by, times))| (rule, by, g.product(&times))).collect()
+                    }
+                    None => {
+                        let (b, below) = g.slope_of_reciprocal(b, f, 1.0);
+                        vec![(Rule::Numerator, a, above), (Rule::Denominator, b, below)]
+                    }
+                }
             }
             Node::Power(a, halves) if halves < 0 => {
                 let (a, power) = g.slope_of_reciprocal(a, f, f64::from(-halves) / 2.0);
@@ -307,45 +317,67 @@ fn of_product(g: &mut Graph, factors: &[(Id, u32)]) -> Vec<(Rule, Id, Scaled)> {
             rest.map(|j| g.power(factors[j].0, 2 * left(j, gone) as i32).into()).collect();
         slopes.push((Rule::Product, by, g.product(&[times, rest].concat())));
     };
-    if let Some(Pair { places, by, slope: times }) = &pair {
-        slope(g, *by, places, times.clone());
+    let Pair { places: taken, slopes: together } = pair.unwrap_or_default();
+    for (by, times) in together {
+        slope(g, by, &taken, times);
     }
-    let taken = pair.map_or(vec![], |pair| pair.places.to_vec());
     for i in (0..factors.len()).filter(|i| !taken.contains(i)) {
         slope(g, factors[i].0, &[i], vec![Scaled::number(f64::from(factors[i].1))]);
     }
     slopes
 }
 
-/// Two factors of a product whose slopes nearly cancel somewhere, and the slope of both together. Only of products that
-/// derivatives make: what a user writes is differentiated as it is written.
+/// Two factors of a product whose slopes nearly cancel somewhere, and the slopes of both together. Only of products
+/// that derivatives make: what a user writes is differentiated as it is written, but for x / f.
 ///
 /// ```text
-/// (x − 1)(x + 1)           2x          not (x − 1) + (x + 1), which loses it near 0
-/// x / f, f = hypot(x, c)   c² / f³     not 1/f − x²/f³, which loses it far out
+/// (x − 1)(x + 1)            2x                        not (x − 1) + (x + 1), which loses it near 0
+/// x / f, f = √(x² + c)      c / f³                    not 1/f − x²/f³, which loses it far out
+/// x / f, f = √(x² + y²)     y² / f³ and −x y / f³
 /// ```
+#[derive(Default)]
 struct Pair {
-    places: [usize; 2],
-    by: Id,
-    slope: Vec<Scaled>,
+    places: Vec<usize>,
+    slopes: Vec<(Id, Vec<Scaled>)>,
 }
 
 impl Pair {
-    fn of(g: &mut Graph, factors: &[(Id, u32)], places @ [i, j]: [usize; 2]) -> Option<Pair> {
-        let [(a, times), (b, others)] = places.map(|place| factors[place]);
+    fn of(g: &Graph, factors: &[(Id, u32)], [i, j]: [usize; 2]) -> Option<Pair> {
+        let [(a, times), (b, others)] = [i, j].map(|place| factors[place]);
         if i == j || times != 1 || others != 1 {
             return None;
         }
+        let places = vec![i, j];
         if let (Some((x, less)), Some((y, more))) = (beside_number(g, a), beside_number(g, b))
             && (x, less) == (y, -more)
             && less < 0.0
         {
-            return Some(Pair { places, by: x, slope: vec![Scaled { factor: 2.0, node: Some(x) }] });
+            return Some(Pair { places, slopes: vec![(x, vec![Scaled { factor: 2.0, node: Some(x) }])] });
         }
-        let still = far_side(g, b, a)?;
-        let slope = [still, still, b, b, b].map(Scaled::from).to_vec();
-        Some(Pair { places, by: a, slope })
+        let slopes = slopes_of_sine(g, a, b, divisor(g, b)?)?;
+        Some(Pair { places, slopes })
     }
+}
+
+/// The slopes of x / f, where f = √(x² + …), and the reciprocal of f is known.
+fn slopes_of_sine(g: &Graph, x: Id, reciprocal: Id, f: Id) -> Option<Vec<(Id, Vec<Scaled>)>> {
+    let cube = [reciprocal; 3].map(Scaled::from);
+    let times = |factors: &[Scaled]| [factors, &cube].concat();
+    match far_side(g, f, x)? {
+        Side::Square(y) => {
+            let (x, y) = (Scaled::from(x), Scaled::from(y));
+            Some(vec![(x.node?, times(&[y, y])), (y.node?, times(&[x.times(-1.0), y]))])
+        }
+        Side::Number(c) => Some(vec![(x, times(&[c]))]),
+    }
+}
+
+/// What is added to x² under the root.
+enum Side {
+    /// The square of this.
+    Square(Id),
+    /// What stays.
+    Number(Scaled),
 }
 
 /// x and c of the sum x + c.
@@ -360,21 +392,47 @@ fn beside_number(graph: &Graph, sum: Id) -> Option<(Id, f64)> {
     (one == 1.0_f64.to_bits() && other == one).then_some((x, number))
 }
 
-/// c, where the first is 1/hypot(x, c), guarded at 0, for a c that stays.
-fn far_side(graph: &Graph, reciprocal: Id, x: Id) -> Option<Id> {
-    let Node::Select(Comparison::LessOrEqual, f, least, then, other) = *graph.node(reciprocal) else {
-        return None;
-    };
-    // Guards of other kinds are a user's.
-    if [least, then].iter().any(|&id| graph.as_constant(id) != Some(0.0)) {
-        return None;
+/// f of 1/f, perhaps guarded at 0.
+fn divisor(g: &Graph, reciprocal: Id) -> Option<Id> {
+    match *g.node(reciprocal) {
+        Node::Power(f, -2) => Some(f),
+        // Guards of other kinds are a user's.
+        Node::Select(Comparison::LessOrEqual, f, least, then, other)
+            if [least, then].iter().all(|&id| g.as_constant(id) == Some(0.0)) =>
+        {
+            (*g.node(other) == Node::Power(f, -2)).then_some(f)
+        }
+        _ => None,
     }
-    let (Node::Call2(Binary::Hypot, a, b), Node::Power(below, -2)) = (graph.node(f), graph.node(other))
-    else {
-        return None;
+}
+
+/// What f is made of beside x: hypot(x, y), √(x² + y²), or √(x² ± c).
+fn far_side(g: &Graph, f: Id, x: Id) -> Option<Side> {
+    let root = |id: Id| match *g.node(id) {
+        Node::Power(y, 4) => Some(y),
+        _ => None,
     };
-    let still = if *a == x { *b } else { *a };
-    (*below == f && (*a == x || *b == x) && !graph.moving(still)).then_some(still)
+    let other = |a: Id, b: Id, x: Id| if a == x { Some(b) } else { (b == x).then_some(a) };
+    match *g.node(f) {
+        Node::Call2(Binary::Hypot, a, b) => other(a, b, x).map(Side::Square),
+        Node::Call(Function::Sqrt, sum) => {
+            let square = g.find(&Node::Power(x, 4))?;
+            match *g.node(sum) {
+                Node::Add(a, b) => {
+                    let rest = other(a, b, square)?;
+                    match root(rest) {
+                        Some(y) => Some(Side::Square(y)),
+                        None => (!g.moving(rest)).then_some(Side::Number(rest.into())),
+                    }
+                }
+                Node::Sub(a, c) if a == square && !g.moving(c) => {
+                    Some(Side::Number(Scaled::from(c).times(-1.0)))
+                }
+                _ => None,
+            }
+        }
+        _ => None,
+    }
 }
 
 /// Powers of distances of more sides are differentiated as powers of any number: of a chain of them the work would grow
