@@ -327,3 +327,48 @@ fn slopes_of_roots_of_squares_keep_their_digits() {
         0.0
     );
 }
+
+potential! { struct SmallPower {} |x, y| x^0.3 + y^-0.7 }
+constraint! { struct SmallPowers {} |x, y, z| z - x^0.3 - y^-0.7 }
+
+const SLOPES_BY_X: [(f64, f64); 5] = [
+    (1e-300, 3.000000000000023e209),
+    (1e-20, 30000000000000.016),
+    (0.5, 0.4873514378137413),
+    (3.0, 0.13903891703159094),
+    (1e300, 2.999999999999977e-211),
+];
+const SLOPES_BY_Y: [(f64, f64, f64); 4] = [
+    (1e-100, -6.999999999999928e169, 1.1899999999999877e270),
+    (1e-20, -6.999999999999986e33, 1.1899999999999977e54),
+    (3.0, -0.10814137991345961, 0.06128011528429378),
+    (1e100, -7.000000000000071e-171, 1.190000000000012e-270),
+];
+
+/// An exponent from which 1 is taken with a rounding. Expected numbers are of 60 digits.
+#[test]
+fn slopes_of_small_powers_keep_their_digits() {
+    let close = |found: f64, expected: f64| (found / expected - 1.0).abs() <= 4.0 * f64::EPSILON;
+    for (x, expected) in SLOPES_BY_X {
+        let found = SmallPower {}.gradient(&vector![x, 1.0])[0];
+        assert!(close(found, expected), "{x:e}: {found:e}");
+    }
+    for (y, slope, bend) in SLOPES_BY_Y {
+        let found = SmallPower {}.gradient(&vector![1.0, y])[1];
+        assert!(close(found, slope), "{y:e}: {found:e}");
+        let found = SmallPowers {}.hessian_vector(&vector![1.0, y, 0.0], &vector![0.0, 1.0, 0.0])[1];
+        assert!(close(-found, bend), "{y:e}: {found:e}");
+    }
+}
+
+constraint! { struct Entropy {} |x, y| y - x * ln(x) }
+
+/// x · ln′(x) is 1, also where x² is no number, and none where ln(x) is none.
+#[test]
+fn slopes_of_logarithms_cancel() {
+    let bend = |x: f64| Entropy {}.hessian_vector(&vector![x, 0.0], &vector![1.0, 0.0])[0];
+    for x in [0.5_f64, 1.0, 3.0, 1e160, 1e200] {
+        assert!((bend(x) * x + 1.0).abs() <= 2.0 * f64::EPSILON, "{x:e}: {:e}", bend(x));
+    }
+    assert!(Entropy {}.jacobian(&vector![-1.0, 0.0])[0].is_nan() && bend(-1.0).is_nan());
+}

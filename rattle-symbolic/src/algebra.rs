@@ -5,7 +5,7 @@
 //! merge powers of one base. Nothing is ever multiplied out, since expansion makes derivatives long and inaccurate.
 
 use crate::graph::{Graph, exact_product, exact_quotient, exact_sum};
-use crate::node::{Id, Node};
+use crate::node::{Comparison, Id, Node};
 use std::collections::BTreeMap;
 
 /// Longer products and sums are nested, not flattened: keeps every pass near linear.
@@ -140,11 +140,21 @@ impl Graph {
         }
     }
 
-    /// x · 1/x → 1
-    fn cancel(&self, factors: &mut Factors) {
+    /// x · 1/x → 1, also where the reciprocal is guarded, as the slope of a logarithm is: no number below 0.
+    fn cancel(&mut self, factors: &mut Factors) {
         let reciprocals: Vec<Id> = factors.keys().copied().collect();
         for reciprocal in reciprocals {
-            let Node::Power(base, -2) = *self.node(reciprocal) else { continue };
+            let (base, one) = match *self.node(reciprocal) {
+                Node::Power(base, -2) => (base, None),
+                Node::Select(Comparison::Less, base, zero, none, other)
+                    if *self.node(other) == Node::Power(base, -2)
+                        && self.as_constant(zero) == Some(0.0)
+                        && self.as_constant(none).is_some_and(f64::is_nan) =>
+                {
+                    (base, Some((zero, none)))
+                }
+                _ => continue,
+            };
             let (Some(&above), Some(&below)) = (factors.get(&base), factors.get(&reciprocal)) else {
                 continue;
             };
@@ -155,6 +165,11 @@ impl Graph {
                 }
             }
             factors.retain(|_, exponent| *exponent > 0);
+            if let Some((zero, none)) = one {
+                let one = self.constant(1.0);
+                let guarded = self.select(Comparison::Less, base, zero, none, one);
+                *factors.entry(guarded).or_default() += common;
+            }
         }
     }
 

@@ -225,6 +225,10 @@ impl<'a> Calculus<'a> {
             Node::Sub(a, b) => vec![(Rule::MinuendOf, a, one), (Rule::SubtrahendOf, b, one.times(-1.0))],
             Node::Mul(a, b) => vec![(Rule::Product, a, b.into()), (Rule::Product, b, a.into())],
             Node::Div(a, b) => {
+                if let Some((b, exponent)) = g.power_of(f) {
+                    let lower = g.div(f, b);
+                    return vec![(b, self.ruled(Rule::Denominator, Scaled::from(lower).times(exponent)))];
+                }
                 let above = g.reciprocal(b);
                 let sine = above.node.and_then(|reciprocal| slopes_of_sine(g, a, reciprocal, b));
                 match sine {

@@ -128,13 +128,19 @@ impl Graph {
     /// ∂(aᵇ)/∂a and ∂(aᵇ)/∂b
     fn slopes_of_power(&mut self, a: Id, b: Id, f: Id) -> [Scaled; 2] {
         let (zero, one) = (self.constant(0.0), self.constant(1.0));
-        let less = self.sub(b, one);
-        let power = self.call2(Binary::Powf, a, less);
+        let root = self.is_written(f);
+        let power = match self.number(b) {
+            // f/a: b − 1 is rounded, where that of larger b is not. But their f may be 0 where this is not.
+            Some(exponent) if root && exponent < 1.0 => self.div(f, a),
+            _ => {
+                let less = self.sub(b, one);
+                self.call2(Binary::Powf, a, less)
+            }
+        };
         let slope = self.product(&[b.into(), power.into()]);
         let slope = self.node_of(slope);
         // At the tip of a root the slope is set to 0, and it is 0 where the exponent is, though 0·0⁻¹ is NaN. Roots
         // that derivatives are made of have their infinite slopes: those of x^(6/5) bend it without end.
-        let root = self.is_written(f);
         let at_zero = match self.number(b) {
             Some(exponent) if exponent == 0.0 || (root && 0.0 < exponent && exponent < 1.0) => zero,
             Some(_) => slope,
@@ -149,6 +155,21 @@ impl Graph {
         let by_base = self.select(Comparison::LessOrEqual, a, zero, not_below, slope);
         let by_exponent = if self.moving(b) { self.growth(a, f) } else { Scaled::ZERO };
         [self.tip(by_base).into(), by_exponent]
+    }
+    /// a and b, where the node is aᵇ or one such power divided by a, and b is a number.
+    pub(crate) fn power_of(&self, mut node: Id) -> Option<(Id, f64)> {
+        let (mut divided, mut by) = (0.0, None);
+        while let Node::Div(above, below) = *self.node(node) {
+            (node, divided, by) =
+                (above, divided + 1.0, Some(*by.get_or_insert(below)).filter(|&a| a == below));
+            by?;
+        }
+        match *self.node(node) {
+            Node::Call2(Binary::Powf, a, b) if by.is_none_or(|by| by == a) => {
+                Some((a, self.number(b)? - divided))
+            }
+            _ => None,
+        }
     }
     /// ∂f/∂u of f = c/bᵉ, where b is u or powers and roots of it: −n f/u, f ∝ u⁻ⁿ. Powers of u that are too large or
     /// too small for numbers are not met on the way.
