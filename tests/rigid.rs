@@ -252,9 +252,8 @@ potential! {
 fn jumps_are_told_of_the_fastest() {
     let scene = Scene::rigid(Rigid::new(MOMENTS)).bodies(2).with(Rise { height: 1.0, width: 0.1 });
     let flank = Rotation3::from_axis_angle(&Vector3::x_axis(), 1.5);
-    let state = State::of([Matrix3::identity(), *flank.matrix()].map(|q| Rigid::coordinates(&q)));
-    let slow = [0.0, 0.02, 0.03, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let start = state.with_momenta([slow, [0.0; 9]]);
+    let slow = (Matrix3::identity(), Vector3::new(0.0, 0.02, 0.03));
+    let start = Rigid::starts([slow, (*flank.matrix(), Vector3::zeros())]);
     let error = scene.simulate(start, Dop853::new(0.45)).unwrap().step().unwrap_err();
     let Error::Step { body, cause: StepFailure::Method(MethodFailure::EnergyJump { .. }), .. } = error else {
         panic!("{error}");

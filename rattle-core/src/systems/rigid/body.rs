@@ -90,6 +90,23 @@ impl Rigid {
         State::at(Self::coordinates(attitude)).moving(spread(angular_momentum))
     }
 
+    /// The same of several bodies: the attitude of each, and its angular momentum in its own frame.
+    ///
+    /// ```
+    /// # use rattle::nalgebra::{Matrix3, Vector3};
+    /// # use rattle::{Rattle, Rigid, Scene};
+    /// let spins = [0.5, 0.7].map(|spin| (Matrix3::identity(), Vector3::new(0.0, 0.0, spin)));
+    /// let tops = Scene::rigid(Rigid::new([1.0, 1.0, 0.4])).bodies(2);
+    /// tops.simulate(Rigid::starts(spins), Rattle::new(0.01))?.run(10)?;
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    #[must_use]
+    pub fn starts(bodies: impl IntoIterator<Item = (Matrix3<f64>, Vector3<f64>)>) -> State<9> {
+        let (places, momenta): (Vec<_>, Vec<_>) =
+            bodies.into_iter().map(|(q, m)| (Self::coordinates(&q), spread(&m))).unzip();
+        State::of(places).with_momenta(momenta)
+    }
+
     /// The momenta P = Q Ω̂ D of a body under QᵀQ = 1 with masses D, in a network, with this attitude and angular
     /// momentum m = J Ω.
     #[must_use]
