@@ -546,7 +546,7 @@ fn what_makes_no_sense_is_refused_before_the_run() {
         (alone(within(f64::NAN)), format!("the reach of Atoms is NaN, {reach}")),
         (alone(within(infinity)), format!("the reach of Atoms is inf, {reach}")),
         (alone(within(1e-200)), "the reach of Atoms is 1e-200".into()),
-        (alone(within(1e-30).shifted()), "Atoms is NaN at its reach".into()),
+        (alone(within(1e-30).shifted()), "Atoms is inf at its reach 1e-30".into()),
         (alone(within(2.5).switched(2.5)), "Atoms is switched off from 2.5 on".into()),
         (alone(within(2.5).switched(-0.1)), "Atoms is switched off from -0.1 on".into()),
         (alone(within(2.5).switched(f64::NAN)), "Atoms is switched off from NaN on".into()),
