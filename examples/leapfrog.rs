@@ -41,7 +41,7 @@ fn run(angle: f64, momentum: f64, h: f64) -> Result<Run, rattle::Error> {
     let mut simulation = scene.simulate(start, method)?;
     let mut run =
         Run { angle: Vec::new(), momentum: Vec::new(), energies: (f64::INFINITY, f64::NEG_INFINITY) };
-    let mut before = 2.0 * momentum - simulation.momentum().x; // at the half step before the position
+    let mut before = simulation.momentum().x; // half a step before the next position
     while simulation.time() < 500.0 {
         run.angle.push((simulation.time(), simulation.position().x));
         run.momentum.push((simulation.momentum_time(), simulation.momentum().x));
