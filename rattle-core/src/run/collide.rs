@@ -74,10 +74,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// The same simulation, whose steps cross edges (kinks) of a constraint. Without this a step that meets an edge
-    /// fails with [`StepFailure::Kink`]. The step is taken up to the edge; there the
-    /// momentum is rotated about the edge into the new side. The component along the edge and the size of the component
-    /// across it are unchanged, so energy is conserved to rounding, and a free particle moves along a straight line if
-    /// the two sides are unfolded into a plane. Where two edges meet, or the surface ends, the step still fails.
+    /// fails with [`StepFailure::Kink`]. The step is taken up to the edge; there the momentum is rotated about the edge
+    /// into the new side. The component along the edge and the size of the component across it are unchanged, so energy
+    /// is conserved to rounding, and a free particle moves along a straight line if the two sides are unfolded into a
+    /// plane. Where two edges meet, or the surface ends, the step still fails.
     ///
     /// ```
     /// use rattle::prelude::*;
